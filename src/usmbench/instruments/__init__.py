@@ -1,0 +1,1 @@
+"""What stands on the bench: the signal generator, the encoder, the data acquisition card."""

@@ -1,0 +1,1 @@
+"""The simulation: a Hammerstein system, and the file it is kept in."""

@@ -1,0 +1,76 @@
+"""A run in memory: columns of equal length, as every command after the sweep takes them."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Column = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Pairs:
+    """Settled (φ, ω) pairs, one a dwell; every column has shape (P,).
+
+    Parameters
+    ----------
+    phase_deg, frequency_hz, torque_nm
+        What was commanded.
+    speed_rad_s, speed_std_rad_s
+        Mean and standard deviation over the settled windows of the dwell.
+    n_windows
+        Number of those windows.
+    direction
+        +1 where φ was rising, -1 where it was falling.
+    t_s
+        End of the dwell, from the first sample of the run.
+    """
+
+    phase_deg: Column
+    frequency_hz: Column
+    torque_nm: Column
+    speed_rad_s: Column
+    speed_std_rad_s: Column
+    n_windows: Column
+    direction: Column
+    t_s: Column
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """One run; every column has shape (N,), one entry a window.
+
+    Parameters
+    ----------
+    name
+        Folder or file the run was read from, for messages.
+    t_s
+        End of each window, from the first sample of the run; strictly rising.
+    phase_deg
+        Phase commanded, in force at the end of the window.
+    speed_rad_s
+        Speed averaged over the window.
+    window_s
+        Duration of each window.
+    frequency_hz, torque_nm, angle_rad, sweep, settled, temperature_c
+        As in the run folder; None where the run does not have the column.
+    pairs
+        The settled pairs, measured or derived from the windows.
+    meta
+        What run.yaml says; empty for a bare CSV.
+    """
+
+    name: str
+    t_s: Column
+    phase_deg: Column
+    speed_rad_s: Column
+    window_s: Column
+    frequency_hz: Column | None = None
+    torque_nm: Column | None = None
+    angle_rad: Column | None = None
+    sweep: Column | None = None
+    settled: Column | None = None
+    temperature_c: Column | None = None
+    pairs: Pairs | None = None
+    meta: dict[str, Any] = field(default_factory=dict)

@@ -1,0 +1,1 @@
+"""Plan and bench files: reading, checking, and errors that name the line."""
