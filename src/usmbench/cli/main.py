@@ -1,0 +1,79 @@
+"""The usmbench command: one module a subcommand, one line an error."""
+
+import argparse
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+from typing import NoReturn
+
+from usmbench import __version__
+from usmbench.errors import InputError, UsmbenchError
+
+STOPPED_BY_USER = 130
+
+# name: one line of help; the module usmbench.cli.<name>_command has add_arguments() and run().
+COMMANDS = {
+    "sweep": "drive the testbed through a plan and write a run folder",
+    "identify": "from runs to a model of the motor",
+    "replay": "a run's commands through a model, or through a bench again",
+    "demo": "all of it on the simulated testbed",
+}
+
+
+class _OneLineParser(argparse.ArgumentParser):
+    """An argument parser whose errors are one line, like every other bad input."""
+
+    def error(self, message: str) -> NoReturn:
+        """Raise the usage error as bad input."""
+        raise InputError(f"{self.prog}: {message} (see `{self.prog} --help`)")
+
+
+def build_parser(command: str | None = None) -> argparse.ArgumentParser:
+    """Return the parser.
+
+    Parameters
+    ----------
+    command
+        The only subcommand whose arguments are wanted: importing the others costs a second.
+    """
+    parser = _OneLineParser(prog="usmbench", description=__doc__)
+    parser.add_argument("--version", action="version", version=f"usmbench {__version__}")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    for name, summary in COMMANDS.items():
+        sub = commands.add_parser(name, help=summary, description=summary)
+        if name == command:
+            module = importlib.import_module(f"usmbench.cli.{name}_command")
+            module.add_arguments(sub)
+            sub.set_defaults(run=module.run)
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit status.
+
+    Parameters
+    ----------
+    arguments
+        The command line without the program's name; None takes it from the process.
+    """
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    command = next((word for word in words if word in COMMANDS), None)
+    try:
+        parsed = build_parser(command).parse_args(words)
+        return int(parsed.run(parsed))
+    except UsmbenchError as error:
+        print(f"usmbench: {error}", file=sys.stderr)
+        return error.exit_status
+    except KeyboardInterrupt:
+        print("usmbench: stopped by the user", file=sys.stderr)
+        return STOPPED_BY_USER
+    except BrokenPipeError:
+        # The reader of our output has gone (a pager that was quit): nothing left to say.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+
+
+def entry_point() -> NoReturn:
+    """Run the command of this process and exit with its status."""
+    sys.exit(main())
