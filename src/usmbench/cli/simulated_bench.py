@@ -1,0 +1,183 @@
+"""`--bench simulated`: the testbed without hardware, in a process of its own."""
+
+import json
+import queue
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import IO, Any
+
+from usmbench.errors import BenchError
+from usmbench.settings.bench import BenchSettings, DaqSettings, GeneratorSettings
+
+START_TIMEOUT_S = 30.0
+REPLY_TIMEOUT_S = 10.0
+STOP_TIMEOUT_S = 3.0
+
+
+class SimulatedTestbed:
+    """A running `python -m hil_sim`, and the hand that turns its load.
+
+    Parameters
+    ----------
+    process
+        The started process, with pipes for its standard input and output.
+    messages
+        File that takes its standard error, shown where it fails.
+    """
+
+    def __init__(self, process: "subprocess.Popen[str]", messages: IO[str]):
+        self._process = process
+        self._messages = messages
+        self._lines: queue.Queue[str] = queue.Queue()
+        reader = threading.Thread(target=self._read_lines, name="hil_sim output", daemon=True)
+        reader.start()
+        self._reader = reader
+        address = self._next_reply(START_TIMEOUT_S)
+        self.port = str(address["port"])
+        self.daq_address = str(address["daq"])
+
+    def _read_lines(self) -> None:
+        assert self._process.stdout is not None
+        for line in self._process.stdout:
+            self._lines.put(line)
+        self._lines.put("")
+
+    def _next_reply(self, timeout_s: float) -> dict[str, Any]:
+        try:
+            line = self._lines.get(timeout=timeout_s)
+        except queue.Empty:
+            line = ""
+        if not line:
+            self._messages.seek(0)
+            said = self._messages.read().strip().splitlines()
+            raise BenchError(
+                f"the simulated testbed (python -m hil_sim) said nothing for {timeout_s:g} s or "
+                f"ended; its last words: {said[-1] if said else 'none'}"
+            )
+        reply: dict[str, Any] = json.loads(line)
+        return reply
+
+    def set_load(self, torque_nm: float) -> None:
+        """Set the load torque of the simulated motor.
+
+        Parameters
+        ----------
+        torque_nm
+            Load torque.
+
+        Raises
+        ------
+        usmbench.errors.BenchError
+            The testbed does not answer.
+        """
+        assert self._process.stdin is not None
+        try:
+            self._process.stdin.write(json.dumps({"load_nm": torque_nm}) + "\n")
+            self._process.stdin.flush()
+        except OSError:
+            raise BenchError("the simulated testbed has ended: its load cannot be set") from None
+        reply = self._next_reply(REPLY_TIMEOUT_S)
+        if not reply.get("ok"):
+            raise BenchError(f"the simulated testbed refused the load {torque_nm:g} N·m: {reply}")
+
+    def stop(self) -> None:
+        """End the process; it also ends by itself when this one dies and its input closes."""
+        assert self._process.stdin is not None
+        for end in (self._process.stdin.close, self._process.terminate, self._process.kill):
+            try:
+                end()
+                self._process.wait(STOP_TIMEOUT_S)
+            except (OSError, subprocess.TimeoutExpired):
+                continue
+            break
+        self._reader.join(STOP_TIMEOUT_S)
+        if self._process.stdout is not None:
+            self._process.stdout.close()
+
+
+@contextmanager
+def start_testbed(arguments: Sequence[str]) -> Iterator[SimulatedTestbed]:
+    """Run `python -m hil_sim` for as long as the context lasts.
+
+    Parameters
+    ----------
+    arguments
+        Further arguments of hil_sim, such as ``["--lock-step", "--seed", "3"]``.
+
+    Raises
+    ------
+    usmbench.errors.BenchError
+        It does not start.
+    """
+    command = [sys.executable, "-m", "hil_sim", "--json", "--stdin-control", *arguments]
+    with tempfile.TemporaryFile("w+") as messages:
+        # A session of its own: Ctrl-C must reach us, who switch the drive off, and not the bench.
+        process = subprocess.Popen(  # noqa: S603 - our own module, no shell
+            command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=messages,
+            text=True,
+            start_new_session=True,
+        )
+        testbed: SimulatedTestbed | None = None
+        try:
+            testbed = SimulatedTestbed(process, messages)
+            yield testbed
+        finally:
+            if testbed is not None:
+                testbed.stop()
+            else:
+                process.kill()
+                process.communicate()
+
+
+def simulated_settings(base: BenchSettings, port: str, daq_address: str) -> BenchSettings:
+    """Return the settings of the embedded testbed.
+
+    Parameters
+    ----------
+    base
+        Settings whose limits and encoder are kept.
+    port
+        Serial port of the simulated board.
+    daq_address
+        host:port of the stand-in NI device server.
+    """
+    daq: DaqSettings = replace(
+        base.daq,
+        address=daq_address,
+        read_ahead_blocks=0,
+        # Lock step moves on demand, so silence means that the process is gone or starved of CPU.
+        no_data_timeout_s=REPLY_TIMEOUT_S,
+    )
+    generator: GeneratorSettings = replace(base.generator, port=port)
+    return replace(base, name="simulated", generator=generator, daq=daq)
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatedOperator:
+    """Sets the load on the simulated motor instead of asking a person.
+
+    Parameters
+    ----------
+    testbed
+        The running testbed.
+    """
+
+    testbed: SimulatedTestbed
+
+    def set_load(self, torque_nm: float) -> None:
+        """Set the load torque.
+
+        Parameters
+        ----------
+        torque_nm
+            Load torque.
+        """
+        self.testbed.set_load(torque_nm)
