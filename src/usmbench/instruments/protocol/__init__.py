@@ -1,0 +1,1 @@
+"""The wire between the PC and the signal generator board: frames, messages, constants."""
