@@ -1,0 +1,296 @@
+"""From counter samples to motion: one window of angle and speed for each block."""
+
+from dataclasses import dataclass, field
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.errors import DaqError
+from usmbench.instruments.edge_timing import EDGES_KEPT, fraction_passed
+from usmbench.instruments.index_check import IndexPass, IndexState, check_index
+from usmbench.instruments.samples import SampleBlock
+
+_NO_EDGES: NDArray[np.float64] = np.empty(0)
+
+
+@dataclass(frozen=True, slots=True)
+class EncoderGeometry:
+    """What turns counter samples into angle and time.
+
+    Parameters
+    ----------
+    counts_per_rev
+        Counts of one revolution: four times the lines at X4, the lines at X1.
+    counter_bits
+        Width of the counter: it wraps at 2**counter_bits.
+    sign
+        +1 or -1: the direction in which the counter runs at positive phase.
+    sample_rate_hz
+        Rate of the sample clock.
+    """
+
+    counts_per_rev: int
+    counter_bits: int
+    sign: int
+    sample_rate_hz: float
+
+    @property
+    def rad_per_count(self) -> float:
+        """Angle of one count of the counter, with the encoder's sign."""
+        return self.sign * 2.0 * pi / self.counts_per_rev
+
+
+@dataclass(frozen=True, slots=True)
+class EncoderState:
+    """What one block leaves for the next; a new one starts a run.
+
+    Parameters
+    ----------
+    next_sample
+        Number of the sample that must come next, or None before the first block.
+    last_count
+        Last counter value, as the card held it.
+    position
+        Unwrapped position at that sample, in counts of the counter from the run's first sample.
+    estimate
+        Position estimated between the edges, in counts; within `position` and `position` + 1.
+    edge_samples
+        Times of the last edges, all crossed in `edge_step`'s direction, in samples, oldest first,
+        shape (E,).
+    edge_step
+        +1 or -1: direction of those edges; 0 when there are none.
+    steady
+        +1 or -1: direction of every count since the last index pulse, 0 without counts, None when
+        they went both ways.
+    pulses
+        Last value of the index counter.
+    index
+        Where the index was last.
+    """
+
+    next_sample: int | None = None
+    last_count: int = 0
+    position: int = 0
+    estimate: float = 0.5
+    edge_samples: NDArray[np.float64] = field(default_factory=lambda: _NO_EDGES)
+    edge_step: int = 0
+    steady: int | None = 0
+    pulses: int = 0
+    index: IndexState = field(default_factory=IndexState)
+
+
+@dataclass(frozen=True, slots=True)
+class WindowMotion:
+    """Motion over one window: from the previous block's last sample to this block's last.
+
+    Parameters
+    ----------
+    angle_rad
+        Angle at the window's end, unwrapped, from the first sample of the run, in whole counts.
+    average_rad_s
+        The paper's speed: counts of the window times the angle of one, over its duration.
+    edge_timed_rad_s
+        Average speed of the same window with the position between edges estimated at both ends.
+        Summed over windows it stays within one count of `angle_rad`.
+    counts
+        Counts of the window, positive for positive speed.
+    window_s
+        Duration: N samples, one less in the first block, which has no sample before it.
+    index_error_counts
+        Counts too many (positive for positive speed) since the last pass of the index in the same
+        direction; None where no pass ended in this window that could be compared.
+    """
+
+    angle_rad: float
+    average_rad_s: float
+    edge_timed_rad_s: float
+    counts: int
+    window_s: float
+    index_error_counts: int | None
+
+
+def decode(
+    state: EncoderState, block: SampleBlock, geometry: EncoderGeometry
+) -> tuple[EncoderState, WindowMotion]:
+    """Turn one block of counter samples into the motion of one window.
+
+    Parameters
+    ----------
+    state
+        What the block before left; ``EncoderState()`` at the start of a run.
+    block
+        The samples, following without a gap on those before.
+    geometry
+        The encoder and the clock.
+
+    Returns
+    -------
+    EncoderState
+        To be handed in with the next block.
+    WindowMotion
+        The window that ends with the block's last sample.
+
+    Raises
+    ------
+    usmbench.errors.DaqError
+        The block does not follow on the one before.
+    """
+    first = state.next_sample is None
+    if first:
+        state = _begin(block)
+    elif state.next_sample != block.first_sample:
+        raise DaqError(
+            f"samples {state.next_sample} to {block.first_sample} of the counter are missing, "
+            "the angle is lost; lower sample_rate_hz or raise samples_per_average, and resume"
+        )
+    counts = block.counts
+    n_samples = len(counts)
+    where, steps = _edges(state.last_count, counts, geometry.counter_bits)
+    # Edge k lies between samples k - 1 and k of the block.
+    times = where + (block.first_sample - 0.5)
+    moved = int(steps.sum())
+    position = state.position + moved
+    edge_samples, edge_step = _latest_run(state, times, steps)
+    end_sample = block.first_sample + n_samples - 1
+    estimate = _estimate(state, position, edge_samples, edge_step, end_sample)
+    begin = state.estimate
+    if first and len(steps):
+        begin = _backwards(times, steps, block.first_sample)
+    steady, pulses, index, error = _index(state, block, where, steps, geometry)
+    duration_s = (n_samples - first) / geometry.sample_rate_hz
+    rad_per_count = geometry.rad_per_count
+    motion = WindowMotion(
+        angle_rad=position * rad_per_count,
+        average_rad_s=moved * rad_per_count / duration_s if duration_s else 0.0,
+        edge_timed_rad_s=(estimate - begin) * rad_per_count / duration_s if duration_s else 0.0,
+        counts=geometry.sign * moved,
+        window_s=duration_s,
+        index_error_counts=None if error is None else geometry.sign * error,
+    )
+    following = EncoderState(
+        end_sample + 1,
+        int(counts[-1]),
+        position,
+        estimate,
+        edge_samples,
+        edge_step,
+        steady,
+        pulses,
+        index,
+    )
+    return following, motion
+
+
+def _begin(block: SampleBlock) -> EncoderState:
+    """Return the state at the run's first sample."""
+    pulses = 0 if block.index_counts is None else int(block.index_counts[0])
+    return EncoderState(block.first_sample, int(block.counts[0]), pulses=pulses)
+
+
+def _edges(
+    last_count: int, counts: NDArray[np.int64], counter_bits: int
+) -> tuple[NDArray[np.intp], NDArray[np.int64]]:
+    """Return where in the block the counter changed, and by how much, wraps undone."""
+    where = np.flatnonzero(counts[1:] != counts[:-1]) + 1
+    if counts[0] != last_count:
+        where = np.concatenate(([0], where))
+    before = counts[where - 1]
+    if len(where) and where[0] == 0:
+        before[0] = last_count
+    half = 1 << (counter_bits - 1)
+    steps = ((counts[where] - before + half) & (2 * half - 1)) - half
+    return where, steps
+
+
+def _latest_run(
+    state: EncoderState, times: NDArray[np.float64], steps: NDArray[np.int64]
+) -> tuple[NDArray[np.float64], int]:
+    """Return the last edges that went one way count by count, at most `EDGES_KEPT`."""
+    if not len(steps):
+        return state.edge_samples, state.edge_step
+    step = int(steps[-1])
+    if abs(step) != 1:
+        return _NO_EDGES, 0
+    recent = steps[-EDGES_KEPT:].tolist()
+    n = 1
+    while n < len(recent) and recent[-1 - n] == step:
+        n += 1
+    run = times[-n:]
+    if n == len(steps) and step == state.edge_step:
+        run = np.concatenate((state.edge_samples[n - EDGES_KEPT :] if n < EDGES_KEPT else [], run))
+    return run, step
+
+
+def _estimate(
+    state: EncoderState,
+    position: int,
+    edge_samples: NDArray[np.float64],
+    edge_step: int,
+    end_sample: int,
+) -> float:
+    """Return the position between the edges at the window's end, in counts."""
+    if not edge_step:
+        return state.estimate if position == state.position else position + 0.5
+    crossed = position if edge_step > 0 else position + 1
+    fraction = fraction_passed(edge_samples, end_sample)
+    if edge_samples is state.edge_samples:
+        # No edge in this window: no faster than one count in the time since the last.
+        before = abs(state.estimate - crossed)
+        elapsed = end_sample - float(edge_samples[-1])
+        n_samples = end_sample + 1 - (state.next_sample or 0)
+        fraction = min(max(fraction, before), before + n_samples / elapsed, 1.0)
+    return crossed + edge_step * fraction
+
+
+def _backwards(times: NDArray[np.float64], steps: NDArray[np.int64], first_sample: int) -> float:
+    """Return the position at the run's first sample, estimated from the edges after it."""
+    step = int(steps[0])
+    if abs(step) != 1:
+        return 0.5
+    recent = steps[:EDGES_KEPT].tolist()
+    n = 1
+    while n < len(recent) and recent[n] == step:
+        n += 1
+    fraction = fraction_passed(-times[:n][::-1], -first_sample)
+    return 1.0 - fraction if step > 0 else fraction
+
+
+def _index(
+    state: EncoderState,
+    block: SampleBlock,
+    where: NDArray[np.intp],
+    steps: NDArray[np.int64],
+    geometry: EncoderGeometry,
+) -> tuple[int | None, int, IndexState, int | None]:
+    """Return the direction since the last pulse, the pulse count, the index state and error."""
+    pulses = state.pulses if block.index_counts is None else int(block.index_counts[-1])
+    if block.index_counts is None or pulses == state.pulses:
+        return _direction(state.steady, steps), pulses, state.index, None
+    at = int(np.searchsorted(block.index_counts, pulses))
+    upto = int(np.searchsorted(where, at, side="right"))
+    steady = _direction(state.steady, steps[:upto])
+    direction = int(np.sign(steps[upto - 1])) if upto else state.edge_step
+    after = _direction(0, steps[upto:])
+    if not direction:
+        return after, pulses, state.index, None
+    passed = IndexPass(
+        position=state.position + int(steps[:upto].sum()),
+        direction=direction,
+        pulses=pulses - state.pulses,
+        steady=steady == direction,
+        step=int(steps[upto - 1]) if upto else 0,
+    )
+    index, error = check_index(state.index, passed, geometry.counts_per_rev)
+    return after, pulses, index, error
+
+
+def _direction(before: int | None, steps: NDArray[np.int64]) -> int | None:
+    """Return the one direction of the steps and of those before, 0 for none, None for both."""
+    if not len(steps) or before is None:
+        return before
+    low, high = int(steps.min()), int(steps.max())
+    if low < 0 < high:
+        return None
+    direction = 1 if high > 0 else -1
+    return direction if before in (0, direction) else None

@@ -1,0 +1,86 @@
+"""What the index pulse, once a revolution, says about the counts between two of its passes."""
+
+from dataclasses import dataclass, replace
+
+
+@dataclass(frozen=True, slots=True)
+class IndexPass:
+    """The last index pulse of a block.
+
+    Parameters
+    ----------
+    position
+        Unwrapped position at the pulse, in counts.
+    direction
+        +1 or -1: the direction of the last count up to the pulse.
+    pulses
+        Pulses in the block.
+    steady
+        Whether every count since the previous pulse went in `direction`.
+    step
+        Counts between the sample that showed the pulse and the one before.
+    """
+
+    position: int
+    direction: int
+    pulses: int
+    steady: bool
+    step: int
+
+
+@dataclass(frozen=True, slots=True)
+class IndexState:
+    """Where the index was last, for each direction of motion.
+
+    The pulse rises at one end of the index mark going up and at the other going down, so each
+    direction is compared with itself.
+
+    Parameters
+    ----------
+    up, down
+        Position at which the index is expected, in counts, or None before the first pass.
+    """
+
+    up: int | None = None
+    down: int | None = None
+
+
+def check_index(
+    state: IndexState, passed: IndexPass, counts_per_rev: int
+) -> tuple[IndexState, int | None]:
+    """Hold the counts since the last pass in the same direction against whole revolutions.
+
+    A pass within one count of where it was expected leaves the expectation alone, so that counts
+    lost one by one add up until they show; a larger discrepancy is reported once.
+
+    Parameters
+    ----------
+    state
+        What is known from the passes before.
+    passed
+        The new pass.
+    counts_per_rev
+        Counts of one revolution, as the bench file says.
+
+    Returns
+    -------
+    IndexState
+        What to carry to the next pass.
+    int or None
+        Counts too many (positive going up) since the last pass; 0 within the sampling instant;
+        None on the first pass in a direction, which has nothing to be compared with.
+    """
+    key = "up" if passed.direction > 0 else "down"
+    reference: int | None = getattr(state, key)
+    if reference is None:
+        return replace(state, **{key: passed.position}), None
+    travelled = passed.position - reference
+    turns = passed.direction * passed.pulses if passed.steady else round(travelled / counts_per_rev)
+    error = travelled - turns * counts_per_rev
+    if abs(error) <= max(1, abs(passed.step)):
+        return replace(state, **{key: reference + turns * counts_per_rev}), 0
+    # What is missing is missing in both directions.
+    other = "down" if key == "up" else "up"
+    known: int | None = getattr(state, other)
+    moved = None if known is None else known + error
+    return IndexState(**{key: passed.position, other: moved}), error
