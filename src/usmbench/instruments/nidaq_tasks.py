@@ -1,0 +1,245 @@
+"""The NI-DAQmx tasks of a bench: encoder, index and analogue input on one sample clock."""
+
+import json
+import math
+from collections.abc import Callable
+from contextlib import ExitStack
+from typing import Any, Final
+
+import grpc
+import nidaqmx
+import numpy as np
+from nidaqmx.constants import (
+    AcquisitionType,
+    AngleUnits,
+    CountDirection,
+    EncoderType,
+    OverwriteMode,
+    TaskMode,
+)
+from nidaqmx.stream_readers import AnalogSingleChannelReader, CounterReader
+from numpy.typing import NDArray
+
+from usmbench.errors import InputError
+from usmbench.settings.bench import DaqSettings, TemperatureSettings
+
+BUFFER_S: Final = 10.0
+"""Time that the driver's buffers hold."""
+COUNTER_BITS: Final = {"m_x": 32, "e_series": 24}
+"""Width of the counters of each family of cards."""
+_UP_DOWN_TERMINALS: Final = {"ctr0": ("PFI8", "port0/line6"), "ctr1": ("PFI3", "port0/line7")}
+"""Source (channel A) and up/down input (channel B) of the counters of the E series."""
+_CONFIGURING_TIMEOUT_S: Final = 10.0
+_RUNNING_TIMEOUT_S: Final = 2.0
+_RUNNING_CALLS: Final = (
+    "ReadCounterF64Ex",
+    "ReadCounterU32Ex",
+    "ReadAnalogF64",
+    "GetReadAttributeUInt64",
+    "StopTask",
+    "ClearTask",
+)
+_MAX_MESSAGE_BYTES: Final = 64 * 2**20
+
+
+class CardTasks:
+    """All tasks of one card, committed: what is wrong with the settings shows here.
+
+    Parameters
+    ----------
+    settings
+        The card.
+    temperature
+        The temperature sensor, or None.
+    lines
+        Lines of the encoder's code wheel.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        The family has no such counter.
+    nidaqmx.errors.Error
+        The driver is absent or refuses the settings.
+    """
+
+    def __init__(
+        self, settings: DaqSettings, temperature: TemperatureSettings | None, *, lines: int
+    ):
+        self._settings = settings
+        self._temperature = temperature
+        self._samples = settings.samples_per_average
+        self.block_s = self._samples / settings.sample_rate_hz
+        self._read_timeout_s = self.block_s + settings.no_data_timeout_s
+        self._tasks: list[Any] = []
+        self._channel = self._connect()
+        with ExitStack() as stack:
+            stack.callback(self.close)
+            self._open(lines)
+            for task in self._tasks:
+                task.control(TaskMode.TASK_COMMIT)
+            stack.pop_all()
+
+    def _connect(self) -> Any:
+        """Return the channel to the device server, or None for the driver on this computer."""
+        if self._settings.address is None:
+            return None
+        service = "nidaqmx_grpc.NiDAQmx"
+        running_s = _RUNNING_TIMEOUT_S + self._read_timeout_s
+        # nidaqmx sets no deadlines; the channel's own configuration costs nothing on each call.
+        deadlines = [
+            {"name": [{}], "timeout": f"{_CONFIGURING_TIMEOUT_S:.3f}s"},
+            {
+                "name": [{"service": service, "method": method} for method in _RUNNING_CALLS],
+                "timeout": f"{running_s:.3f}s",
+            },
+            {"name": [{"service": service, "method": "RegisterEveryNSamplesEvent"}]},
+        ]
+        return grpc.insecure_channel(
+            self._settings.address,
+            options=[
+                ("grpc.service_config", json.dumps({"methodConfig": deadlines})),
+                ("grpc.enable_http_proxy", 0),
+                ("grpc.max_receive_message_length", _MAX_MESSAGE_BYTES),
+            ],
+        )
+
+    def _open(self, lines: int) -> None:
+        # The task that makes the clock comes last: it is started last, when all counters wait for
+        # its first edge.
+        self._encoder = self._encoder_task(lines)
+        self._read_encoder = self._counter_reader(
+            self._encoder, floating=self._settings.family == "m_x"
+        )
+        self._read_index = None
+        if self._settings.index_counter is not None:
+            index = self._task()
+            index.ci_channels.add_ci_count_edges_chan(self._path(self._settings.index_counter))
+            self._clock(index, self._clock_terminal())
+            self._read_index = self._counter_reader(index, floating=False)
+        self._read_volts = None
+        if self._temperature is not None or self._settings.sample_clock == "ai":
+            self._read_volts = self._open_analogue()
+
+    def _task(self) -> Any:
+        options = self._channel and nidaqmx.GrpcSessionOptions(self._channel, "")
+        task = nidaqmx.Task(grpc_options=options)
+        self._tasks.append(task)
+        return task
+
+    def _path(self, channel: str) -> str:
+        return f"{self._settings.device}/{channel}"
+
+    def _clock_terminal(self) -> str:
+        terminal = self._settings.sample_clock
+        if terminal.startswith("/"):
+            return terminal
+        return f"/{self._path('ai/SampleClock' if terminal == 'ai' else terminal)}"
+
+    def _clock(self, task: Any, source: str) -> None:
+        blocks = max(2, math.ceil(BUFFER_S / self.block_s))
+        task.timing.cfg_samp_clk_timing(
+            self._settings.sample_rate_hz,
+            source=source,
+            sample_mode=AcquisitionType.CONTINUOUS,
+            samps_per_chan=blocks * self._samples,
+        )
+
+    def _encoder_task(self, lines: int) -> Any:
+        counter = self._settings.counter
+        terminals = _UP_DOWN_TERMINALS.get(counter)
+        if self._settings.family == "e_series" and terminals is None:
+            raise InputError(
+                f"daq.counter {counter}: E-series cards have {' and '.join(_UP_DOWN_TERMINALS)}"
+            )
+        task = self._task()
+        if self._settings.family == "m_x":
+            task.ci_channels.add_ci_ang_encoder_chan(
+                self._path(counter),
+                decoding_type=EncoderType.X_4,
+                units=AngleUnits.TICKS,
+                pulses_per_rev=lines,
+            )
+        elif terminals is not None:
+            channel = task.ci_channels.add_ci_count_edges_chan(
+                self._path(counter), count_direction=CountDirection.EXTERNAL_SOURCE
+            )
+            channel.ci_count_edges_term = f"/{self._path(terminals[0])}"
+            channel.ci_count_edges_dir_term = f"/{self._path(terminals[1])}"
+        self._clock(task, self._clock_terminal())
+        return task
+
+    def _counter_reader(self, task: Any, *, floating: bool) -> Callable[[], NDArray[np.int64]]:
+        reader = CounterReader(task.in_stream)
+        reader.verify_array_shape = False  # it would ask the server about it at every read
+        values = np.empty(self._samples, np.float64 if floating else np.uint32)
+        read = reader.read_many_sample_double if floating else reader.read_many_sample_uint32
+
+        def read_counts() -> NDArray[np.int64]:
+            read(values, self._samples, self._read_timeout_s)
+            return values.astype(np.int64)
+
+        return read_counts
+
+    def _open_analogue(self) -> Callable[[], float] | None:
+        task = self._task()
+        channel = "ai0" if self._temperature is None else self._temperature.channel
+        task.ai_channels.add_ai_voltage_chan(self._path(channel))
+        own_clock = self._settings.sample_clock == "ai"
+        self._clock(task, "" if own_clock else self._clock_terminal())
+        if self._temperature is None:
+            # Nobody reads it: it must not overflow, for that would stop the clock.
+            task.in_stream.overwrite = OverwriteMode.OVERWRITE_UNREAD_SAMPLES
+            return None
+        reader = AnalogSingleChannelReader(task.in_stream)
+        reader.verify_array_shape = False
+        volts = np.empty(self._samples)
+
+        def read_volts() -> float:
+            reader.read_many_sample(volts, self._samples, self._read_timeout_s)
+            return float(volts.mean())
+
+        return read_volts
+
+    def on_block(self, callback: Callable[..., int]) -> None:
+        """Have `callback` called after each block of samples, on a thread of the driver.
+
+        Parameters
+        ----------
+        callback
+            Takes NI-DAQmx's four arguments and returns 0.
+        """
+        self._encoder.register_every_n_samples_acquired_into_buffer_event(self._samples, callback)
+
+    def start(self) -> None:
+        """Start all tasks, the one that makes the clock last."""
+        for task in self._tasks:
+            task.start()
+
+    def read(self) -> tuple[NDArray[np.int64], NDArray[np.int64] | None, float | None]:
+        """Return the counts, index counts and temperature (°C) of the next block."""
+        counts = self._read_encoder() & ((1 << COUNTER_BITS[self._settings.family]) - 1)
+        index_counts = None if self._read_index is None else self._read_index()
+        if self._read_volts is None or self._temperature is None:
+            return counts, index_counts, None
+        volts = self._read_volts()
+        sensor = self._temperature
+        return counts, index_counts, sensor.offset_c + sensor.degrees_c_per_volt * volts
+
+    def acquired(self) -> int:
+        """Return how many samples the encoder's task has taken, read or not."""
+        return int(self._encoder.in_stream.total_samp_per_chan_acquired)
+
+    def stop(self) -> None:
+        """Stop all tasks, the clock first."""
+        with ExitStack() as stack:
+            for task in self._tasks:
+                stack.callback(task.stop)
+
+    def close(self) -> None:
+        """Release the card; all of it, also where a task raises."""
+        with ExitStack() as stack:
+            if self._channel is not None:
+                stack.callback(self._channel.close)
+            for task in self._tasks:
+                stack.callback(task.close)
+            self._tasks = []
