@@ -1,0 +1,76 @@
+"""``usmbench identify``: from runs to a model."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from usmbench.cli.json_output import write_json
+from usmbench.errors import InputError
+from usmbench.identify.fast import FastOptions, identify_fast
+from usmbench.model.model_file import write_model
+from usmbench.report.identification_table import identification_table
+from usmbench.runs.reader import read_run
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments.
+
+    Parameters
+    ----------
+    parser
+        The subcommand's parser.
+    """
+    parser.add_argument("runs", nargs="+", metavar="RUN", type=Path, help="run folder or CSV")
+    parser.add_argument("--out", required=True, type=Path, metavar="MODEL.yaml")
+    parser.add_argument("--method", choices=["fast"], default="fast")
+    parser.add_argument("--degree", type=int, default=18, help="degree of the curve")
+    parser.add_argument("--knots", metavar="a,b,…", help="knots in degrees, rising")
+    parser.add_argument("--na", type=int, default=1, help="past speeds in the dynamics")
+    parser.add_argument("--nb", type=int, help="past inputs in the dynamics")
+    parser.add_argument("--json", metavar="FILE", help="figures as JSON; - is standard output")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Identify, write the model, and say how it went.
+
+    Parameters
+    ----------
+    args
+        The parsed arguments.
+
+    Raises
+    ------
+    InputError
+        A run, an argument or the data will not do.
+    """
+    options = _options(args)
+    records = [read_run(path) for path in args.runs]
+    found = identify_fast(records, options)
+    write_model(args.out, found.model)
+    for warning in found.warnings:
+        print(f"usmbench: warning: {warning}", file=sys.stderr)
+    if args.json:
+        write_json(args.json, found.to_json())
+    if args.json != "-":
+        print(identification_table(found))
+        print(f"model written to {args.out}")
+    return 0
+
+
+def _options(args: argparse.Namespace) -> FastOptions:
+    """Check what the command line asks for."""
+    for name, lowest in (("degree", 1), ("na", 0), ("nb", 0)):
+        value = getattr(args, name)
+        if value is not None and value < lowest:
+            raise InputError(f"--{name} {value} is too low; give {lowest} or more")
+    return FastOptions(args.degree, _knots(args.knots), args.na, args.nb)
+
+
+def _knots(text: str | None) -> tuple[float, ...] | None:
+    """Parse the list of knots."""
+    if text is None:
+        return None
+    try:
+        return tuple(float(word) for word in text.split(","))
+    except ValueError:
+        raise InputError(f"--knots {text!r} is no list of numbers; give a,b,… in degrees") from None

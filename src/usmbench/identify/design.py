@@ -1,0 +1,91 @@
+"""Samples turned into regressors: the Bernstein basis over each segment's phases."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.errors import InputError
+from usmbench.identify.data import Dataset, describe
+from usmbench.model.bernstein import bernstein_basis
+from usmbench.model.inverse_map import bezier_abscissa
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """One segment's regressors.
+
+    Parameters
+    ----------
+    basis
+        Bernstein basis at the segment's phases, shape (n, d + 1).
+    speed_rad_s
+        Measured speed, shape (n,).
+    point
+        Index of the operating point.
+    """
+
+    basis: Array
+    speed_rad_s: Array
+    point: int
+
+
+def build_design(data: Dataset, knots_deg: Sequence[Array]) -> tuple[Stretch, ...]:
+    """Map every phase to its abscissa and evaluate the basis there.
+
+    Parameters
+    ----------
+    data
+        The samples.
+    knots_deg
+        Knots of each operating point's curve.
+
+    Raises
+    ------
+    InputError
+        A phase outside the knots, or knots that do not rise.
+    """
+    return tuple(
+        Stretch(_basis(s.phase_deg, knots_deg[s.point]), s.speed_rad_s, s.point)
+        for s in data.segments
+    )
+
+
+def check_rows(data: Dataset, degree: int, na: int, nb: int) -> None:
+    """Refuse data with fewer rows, or fewer different phases, than there are parameters.
+
+    Parameters
+    ----------
+    data
+        The samples.
+    degree
+        Degree of the curves.
+    na, nb
+        Orders of the linear part.
+
+    Raises
+    ------
+    InputError
+        Too few, with the numbers.
+    """
+    wanted = degree + 1 + na + nb
+    for index, point in enumerate(data.points):
+        phase_deg = data.phase_deg(index)
+        if phase_deg.size < wanted:
+            raise InputError(
+                f"{', '.join(data.run_names)}: {phase_deg.size} rows{describe(point)} cannot carry "
+                f"{wanted} parameters (degree {degree}, n_a {na}, n_b {nb}); lower --degree or "
+                "measure more"
+            )
+
+
+def _basis(phase_deg: Array, knots_deg: Array) -> Array:
+    """Evaluate the basis once for each distinct phase where phases repeat, as dwells make them."""
+    degree = knots_deg.size - 1
+    distinct, place = np.unique(phase_deg, return_inverse=True)
+    if distinct.size > phase_deg.size // 4:
+        return bernstein_basis(bezier_abscissa(phase_deg, knots_deg), degree)
+    return bernstein_basis(bezier_abscissa(distinct, knots_deg), degree)[place]

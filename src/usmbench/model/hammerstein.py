@@ -1,0 +1,154 @@
+"""The simulation: a static curve from phase to speed, then linear dynamics of unit gain."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.model.bernstein import bezier_slope, bezier_value
+from usmbench.model.inverse_map import bezier_abscissa, check_knots
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class StaticCurve:
+    """A Bézier curve from phase to settled speed, eq. (7) and (14) of the paper.
+
+    Parameters
+    ----------
+    knots_deg
+        Abscissas Φ of the control points, strictly rising, shape (d + 1,).
+    delta
+        Ordinates δ of the control points in rad/s, shape (d + 1,).
+    """
+
+    knots_deg: Array
+    delta: Array
+
+    def __post_init__(self) -> None:
+        """Refuse a curve that is none."""
+        check_knots(self.knots_deg)
+        if self.delta.shape != self.knots_deg.shape:
+            raise ValueError(f"{self.delta.size} ordinates for {self.knots_deg.size} knots")
+
+    @property
+    def degree(self) -> int:
+        """Degree d of the curve."""
+        return self.knots_deg.size - 1
+
+    def speed_rad_s(self, phase_deg: Array) -> Array:
+        """Return the settled speed.
+
+        Parameters
+        ----------
+        phase_deg
+            Phases, shape (N,). Beyond the knots the curve is held at its end; whether that is
+            admissible is the caller's to know, see `HammersteinModel.outside`.
+        """
+        held_deg = np.clip(phase_deg, self.knots_deg[0], self.knots_deg[-1])
+        return bezier_value(bezier_abscissa(held_deg, self.knots_deg), self.delta)
+
+    def slope_rad_s_per_deg(self, phase_deg: Array) -> Array:
+        """Return the derivative of the settled speed with respect to phase.
+
+        Parameters
+        ----------
+        phase_deg
+            Phases, shape (N,); 0 beyond the knots, where the curve is held.
+        """
+        inside = (phase_deg >= self.knots_deg[0]) & (phase_deg <= self.knots_deg[-1])
+        held_deg = np.clip(phase_deg, self.knots_deg[0], self.knots_deg[-1])
+        x = bezier_abscissa(held_deg, self.knots_deg)
+        slope: Array = bezier_slope(x, self.delta) / bezier_slope(x, self.knots_deg)
+        return np.where(inside, slope, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class LinearPart:
+    """The dynamics ``ω(t) = −Σ a_i ω(t−i) + Σ b_k v(t−D−k)``, eq. (1) with a dead time.
+
+    Parameters
+    ----------
+    a
+        Coefficients a_1 … a_na, shape (n_a,).
+    b
+        Coefficients b_0 … b_nb, shape (n_b + 1,).
+    dead_time_windows
+        Whole windows D between a command and its first effect. What is left of the true dead
+        time, a part of a window, is in b: see `usmbench.model.linear.continuous_time`.
+    window_s
+        Time from one sample to the next; None where the samples are settled pairs, which have
+        no time step of their own.
+    """
+
+    a: Array
+    b: Array
+    dead_time_windows: int
+    window_s: float | None
+
+    @property
+    def gain(self) -> float:
+        """Steady-state gain Σb / (1 + Σa), eq. (2): 1 in an identified model."""
+        return float(self.b.sum() / (1.0 + self.a.sum()))
+
+
+@dataclass(frozen=True, slots=True)
+class OperatingPoint:
+    """One static curve, and where it was measured.
+
+    Parameters
+    ----------
+    frequency_hz, torque_nm
+        The point; None where the run did not say.
+    curve
+        Its curve.
+    phase_range_deg
+        Lowest and highest phase it was fitted on.
+    dead_zone_deg
+        Lower and upper edge of the dead zone; None where the range holds no such edge.
+    noise_rad_s
+        Standard deviation of what the model leaves at this point, free-running.
+    """
+
+    frequency_hz: float | None
+    torque_nm: float | None
+    curve: StaticCurve
+    phase_range_deg: tuple[float, float]
+    dead_zone_deg: tuple[float | None, float | None]
+    noise_rad_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class HammersteinModel:
+    """Everything a simulation needs, and what is known about it.
+
+    Parameters
+    ----------
+    linear
+        The shared dynamics.
+    points
+        The operating points, at least one.
+    method
+        How it was identified.
+    fitted_on
+        One mapping a run: name, id, rows.
+    residual
+        The residual's level and colour: free-run and one-step RMSE, AR coefficients.
+    intervals
+        95 % intervals by parameter name, where the method gives them.
+    unexplained
+        Structure found in the residual that this model cannot represent, one mapping each.
+    effects
+        Causes added by a diagnosis, as stored in the model file.
+    """
+
+    linear: LinearPart
+    points: tuple[OperatingPoint, ...]
+    method: str
+    fitted_on: tuple[dict[str, Any], ...] = ()
+    residual: dict[str, Any] = field(default_factory=dict)
+    intervals: dict[str, Any] = field(default_factory=dict)
+    unexplained: tuple[dict[str, Any], ...] = ()
+    effects: tuple[dict[str, Any], ...] = ()

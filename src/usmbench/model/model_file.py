@@ -1,0 +1,210 @@
+"""The model file: YAML that a person can read, with a version that is checked."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from usmbench.errors import InputError
+from usmbench.model.hammerstein import (
+    HammersteinModel,
+    LinearPart,
+    OperatingPoint,
+    StaticCurve,
+)
+
+FORMAT = "usmbench-model"
+VERSION = 1
+
+
+def write_model(path: Path, model: HammersteinModel) -> None:
+    """Write a model file.
+
+    Parameters
+    ----------
+    path
+        Where to; an existing file is replaced.
+    model
+        The model.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    head = f"# A Hammerstein model of a travelling-wave ultrasonic motor, method {model.method}.\n"
+    text = head + yaml.dump(
+        to_mapping(model), Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100
+    )
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError(
+            f"cannot be written ({error.strerror}); give a file in a folder that exists", file=path
+        ) from error
+
+
+def read_model(path: Path) -> HammersteinModel:
+    """Read a model file.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Raises
+    ------
+    InputError
+        The file is missing, no model, of a newer version, or lacks or distorts a value.
+    """
+    try:
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(
+            f"cannot be read ({error.strerror}); give a model that `usmbench identify` wrote",
+            file=path,
+        ) from error
+    except UnicodeDecodeError as error:
+        raise InputError("is not text; give a model file", file=path) from error
+    except yaml.MarkedYAMLError as error:
+        line = None if error.problem_mark is None else error.problem_mark.line + 1
+        raise InputError(f"is not YAML: {error.problem}", file=path, line=line) from error
+    _check_format(content, path)
+    try:
+        return from_mapping(content)
+    except KeyError as error:
+        raise InputError(f"has no {error.args[0]}; identify the model again", file=path) from error
+    except (TypeError, ValueError, AttributeError, InputError) as error:
+        raise InputError(f"holds a wrong value: {error}", file=path) from error
+
+
+def to_mapping(model: HammersteinModel) -> dict[str, Any]:
+    """Return a model as the mapping that its file holds.
+
+    Parameters
+    ----------
+    model
+        The model.
+    """
+    linear = model.linear
+    return {
+        "format": f"{FORMAT}/{VERSION}",
+        "method": model.method,
+        "fitted_on": list(model.fitted_on),
+        "linear": {
+            "a": linear.a.tolist(),
+            "b": linear.b.tolist(),
+            "dead_time_windows": linear.dead_time_windows,
+            "window_s": linear.window_s,
+        },
+        "points": [_point_to_mapping(point) for point in model.points],
+        "residual": model.residual,
+        "intervals": model.intervals,
+        "unexplained": list(model.unexplained),
+        "effects": list(model.effects),
+    }
+
+
+def from_mapping(content: dict[str, Any]) -> HammersteinModel:
+    """Return the model that a file's mapping describes.
+
+    Parameters
+    ----------
+    content
+        The mapping, as `to_mapping` returns it; unknown keys are ignored.
+
+    Raises
+    ------
+    KeyError
+        A key is missing.
+    ValueError
+        A value cannot be one.
+    """
+    linear = content["linear"]
+    window_s = linear["window_s"]
+    points = tuple(_point_from_mapping(point) for point in content["points"])
+    if not points:
+        raise ValueError("points is empty")
+    return HammersteinModel(
+        linear=LinearPart(
+            a=_vector(linear["a"], "a"),
+            b=_vector(linear["b"], "b"),
+            dead_time_windows=int(linear["dead_time_windows"]),
+            window_s=None if window_s is None else float(window_s),
+        ),
+        points=points,
+        method=str(content["method"]),
+        fitted_on=tuple(content.get("fitted_on") or ()),
+        residual=dict(content.get("residual") or {}),
+        intervals=dict(content.get("intervals") or {}),
+        unexplained=tuple(content.get("unexplained") or ()),
+        effects=tuple(content.get("effects") or ()),
+    )
+
+
+def _check_format(content: object, path: Path) -> None:
+    """Refuse what is no model, and what a newer usmbench wrote."""
+    stated = content.get("format") if isinstance(content, dict) else None
+    name, _, version = str(stated).partition("/")
+    if name != FORMAT or not version.isdigit():
+        raise InputError(
+            f"is no model file (format is {stated!r}, {FORMAT}/{VERSION} is wanted)", file=path
+        )
+    if int(version) > VERSION:
+        raise InputError(
+            f"was written by a newer usmbench (model version {version}, this one reads up to "
+            f"{VERSION}); upgrade usmbench",
+            file=path,
+        )
+
+
+def _point_to_mapping(point: OperatingPoint) -> dict[str, Any]:
+    return {
+        "frequency_hz": point.frequency_hz,
+        "torque_nm": point.torque_nm,
+        "phase_range_deg": list(point.phase_range_deg),
+        "dead_zone_deg": list(point.dead_zone_deg),
+        "noise_rad_s": point.noise_rad_s,
+        "knots_deg": point.curve.knots_deg.tolist(),
+        "delta_rad_s": point.curve.delta.tolist(),
+    }
+
+
+def _point_from_mapping(content: dict[str, Any]) -> OperatingPoint:
+    low_deg, high_deg = (float(value) for value in content["phase_range_deg"])
+    edges = content["dead_zone_deg"]
+    return OperatingPoint(
+        frequency_hz=_optional(content["frequency_hz"]),
+        torque_nm=_optional(content["torque_nm"]),
+        curve=StaticCurve(
+            _vector(content["knots_deg"], "knots_deg"),
+            _vector(content["delta_rad_s"], "delta_rad_s"),
+        ),
+        phase_range_deg=(low_deg, high_deg),
+        dead_zone_deg=(_optional(edges[0]), _optional(edges[1])),
+        noise_rad_s=float(content["noise_rad_s"]),
+    )
+
+
+def _optional(value: Any) -> float | None:
+    return None if value is None else float(value)
+
+
+def _vector(values: Any, name: str) -> np.ndarray[Any, np.dtype[np.float64]]:
+    vector = np.array(values, dtype=np.float64)
+    if vector.ndim != 1 or not np.all(np.isfinite(vector)):
+        raise ValueError(f"{name} must be a list of finite numbers")
+    return vector
+
+
+class _Dumper(yaml.SafeDumper):
+    """Lists of numbers on one line, everything else in blocks."""
+
+
+def _one_line_numbers(dumper: yaml.SafeDumper, values: list[Any]) -> yaml.Node:
+    flat = all(isinstance(value, int | float | None) for value in values)
+    return dumper.represent_sequence("tag:yaml.org,2002:seq", values, flow_style=flat)
+
+
+_Dumper.add_representer(list, _one_line_numbers)

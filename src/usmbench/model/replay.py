@@ -1,0 +1,116 @@
+"""A run's commands through a model, free-running, beside what was measured."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from usmbench.errors import InputError
+from usmbench.model.hammerstein import HammersteinModel
+from usmbench.model.scores import fit_percent, rmse
+from usmbench.model.simulate import Simulation, simulate
+from usmbench.runs.record import Record
+
+_RATE_TOLERANCE = 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class Replay:
+    """A simulation beside its measurement.
+
+    Parameters
+    ----------
+    simulation
+        The free run.
+    rmse_rad_s, fit_percent
+        Scores over the rows on which the model may be used; the fit is None where the
+        measurement is constant.
+    warnings
+        What the user ought to know, one sentence each.
+    """
+
+    simulation: Simulation
+    rmse_rad_s: float
+    fit_percent: float | None
+    warnings: tuple[str, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the mapping that ``replay --json`` writes."""
+        return {
+            "n": int(np.count_nonzero(self.simulation.inside)),
+            "rmse_rad_s": self.rmse_rad_s,
+            "fit_percent": self.fit_percent,
+            "n_outside": int(np.count_nonzero(~self.simulation.inside)),
+            "warnings": list(self.warnings),
+        }
+
+
+def replay_record(record: Record, model: HammersteinModel) -> Replay:
+    """Simulate a run's commands and score the result on the rows inside the model's range.
+
+    Parameters
+    ----------
+    record
+        The run.
+    model
+        The model.
+
+    Raises
+    ------
+    InputError
+        The run's windows differ from the model's, a value is no number, or the whole run lies
+        outside the model's range.
+    """
+    warnings = _check_windows(record, model)
+    if not np.all(np.isfinite(record.speed_rad_s)):
+        row = int(np.argmin(np.isfinite(record.speed_rad_s)))
+        raise InputError(f"{record.name}: speed_rad_s of row {row} is no number; mend the row")
+    simulation = simulate(model, record.phase_deg, record.frequency_hz, record.torque_nm)
+    inside = simulation.inside
+    if not np.any(inside):
+        raise InputError(
+            f"{record.name}: every row lies outside the model's range ({_range(model)}); identify "
+            "a model on a run like this one"
+        )
+    for rows, what in (
+        (simulation.outside_phase, "phase"),
+        (simulation.outside_point, "frequency or torque"),
+    ):
+        if np.any(rows):
+            warnings.append(
+                f"{record.name}: {np.count_nonzero(rows)} of {rows.size} rows (first: row "
+                f"{int(np.argmax(rows))}) are outside the model's {what} range ({_range(model)}) "
+                "and not scored"
+            )
+    measured, simulated = record.speed_rad_s[inside], simulation.speed_rad_s[inside]
+    return Replay(
+        simulation, rmse(measured, simulated), fit_percent(measured, simulated), tuple(warnings)
+    )
+
+
+def _check_windows(record: Record, model: HammersteinModel) -> list[str]:
+    """Refuse windows of another length; warn where the model has no time step."""
+    window_s = float(np.median(record.window_s))
+    model_s = model.linear.window_s
+    if model_s is None:
+        return ["the model was identified on settled pairs: its dynamics have no time step"]
+    if abs(window_s / model_s - 1.0) > _RATE_TOLERANCE:
+        raise InputError(
+            f"{record.name} has windows of {1e3 * window_s:g} ms, the model was identified on "
+            f"{1e3 * model_s:g} ms; identify it on a run with the same windows"
+        )
+    return []
+
+
+def _range(model: HammersteinModel) -> str:
+    """Say where the model may be used."""
+    parts = []
+    for point in model.points:
+        where = f"φ {point.phase_range_deg[0]:g}…{point.phase_range_deg[1]:g}°"
+        if point.frequency_hz is not None:
+            where += f" at {point.frequency_hz:g} Hz"
+        if point.torque_nm is not None:
+            where += f" {point.torque_nm:g} N·m"
+        parts.append(where)
+    more = f" and {len(parts) - 3} more" if len(parts) > 3 else ""
+    return "; ".join(parts[:3]) + more

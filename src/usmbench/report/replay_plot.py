@@ -1,0 +1,79 @@
+"""The plot of ``replay --plot``: measurement, free run, and what lies between them."""
+
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from usmbench.errors import InputError
+from usmbench.model.replay import Replay
+from usmbench.runs.record import Record
+
+
+def write_replay_plot(path: Path, record: Record, replay: Replay) -> None:
+    """Write the plot in the format that the file's name asks for.
+
+    Parameters
+    ----------
+    path
+        The file: .png, .svg, .pdf.
+    record
+        The run.
+    replay
+        Its replay.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written, or its format is unknown.
+    """
+    figure = Figure(figsize=(9.0, 6.0), layout="constrained")
+    top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=(3.0, 1.0))
+    inside = replay.simulation.inside
+    speed_rad_s, error_rad_s = (
+        record.speed_rad_s,
+        record.speed_rad_s - replay.simulation.speed_rad_s,
+    )
+    top.plot(record.t_s, speed_rad_s, ".", ms=3, color="0.55", label="measured")
+    top.plot(record.t_s, replay.simulation.speed_rad_s, lw=1.0, color="C0", label="free run")
+    outside_s = record.t_s[~inside]
+    if outside_s.size:
+        top.plot(
+            outside_s,
+            replay.simulation.speed_rad_s[~inside],
+            "x",
+            ms=4,
+            color="C3",
+            label="outside the model's range",
+        )
+    top.set_ylabel("speed ω (rad/s)")
+    top.legend(loc="best", frameon=False)
+    fit = "" if replay.fit_percent is None else f", fit {replay.fit_percent:.1f} %"
+    top.set_title(f"{record.name}: RMSE {replay.rmse_rad_s:.3g} rad/s{fit}")
+    bottom.plot(record.t_s[inside], error_rad_s[inside], ".", ms=2, color="C1")
+    bottom.axhline(0.0, lw=0.6, color="0.3")
+    bottom.set_ylabel("ω − ω̂ (rad/s)")
+    bottom.set_xlabel("time (s)")
+    save_figure(figure, path)
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """Write a figure, with the errors a user can mend.
+
+    Parameters
+    ----------
+    figure
+        The figure.
+    path
+        The file; its ending is the format.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written, or its format is unknown.
+    """
+    try:
+        figure.savefig(path, dpi=130)
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"cannot be written ({error}); give a .png, .svg or .pdf", file=path
+        ) from error
