@@ -123,6 +123,9 @@ class InterlockSettings:
         Highest temperature, where there is a sensor.
     drive_time_max_s
         Longest uninterrupted drive.
+    index_error_max_counts
+        Counts by which an index pulse may come early or late before counts have been lost; None
+        keeps the record going, for a study of the losses themselves.
     """
 
     overspeed_rad_s: float = 16.0
@@ -132,6 +135,7 @@ class InterlockSettings:
     motion_off_after_s: float = 0.3
     temperature_max_c: float = 70.0
     drive_time_max_s: float = 3600.0
+    index_error_max_counts: int | None = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,3 +166,8 @@ class BenchSettings:
     def counts_per_rev(self) -> int:
         """Counts of one revolution: four a line where the card decodes X4, else one."""
         return self.encoder.lines * (4 if self.daq.family == "m_x" else 1)
+
+    @property
+    def window_s(self) -> float:
+        """Duration of one window: the samples of one average."""
+        return self.daq.samples_per_average / self.daq.sample_rate_hz

@@ -1,0 +1,193 @@
+"""YAML read as `safe_load` reads it, with the line of every node kept for messages."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from usmbench.errors import InputError
+
+PathInDocument = tuple[str | int, ...]
+
+MAX_BYTES = 1_000_000
+MAX_NODES = 200_000
+MAX_DEPTH = 30
+# Beyond this no setting of a bench makes sense, and arithmetic on Python's unbounded integers
+# would fail far from the line that is wrong.
+MAX_NUMBER = 1e12
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A document and where each part of it was written.
+
+    Parameters
+    ----------
+    file
+        The file's name, for messages.
+    document
+        What the file says.
+    lines
+        Line of each value, counted from 1; empty for a document that was never a file.
+    """
+
+    file: str
+    document: Any
+    lines: dict[PathInDocument, int] = field(default_factory=dict)
+
+    def error(self, path: PathInDocument, message: str) -> InputError:
+        """Return the error that points at one part of the document.
+
+        Parameters
+        ----------
+        path
+            Keys and indices that lead to the part.
+        message
+            What is wrong there and how to mend it.
+        """
+        at = path
+        while at and at not in self.lines:
+            at = at[:-1]
+        where = spelled(path)
+        text = f"{where}: {message}" if where else message
+        return InputError(text, file=self.file, line=self.lines.get(at))
+
+
+def spelled(path: PathInDocument) -> str:
+    """Return a path the way a user writes it, such as ``passes[0].phase_deg``.
+
+    Parameters
+    ----------
+    path
+        Keys and indices.
+    """
+    words = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
+    return "".join(words).removeprefix(".")
+
+
+def read_source(file: Path) -> Source:
+    """Read a YAML file.
+
+    Parameters
+    ----------
+    file
+        The file.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        It cannot be read, or is not plain YAML.
+    """
+    try:
+        with file.open("rb") as stream:
+            content = stream.read(MAX_BYTES + 1)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(f"cannot be read: {reason}; check the path", file=file) from None
+    if len(content) > MAX_BYTES:
+        raise InputError(f"is longer than {MAX_BYTES} bytes: not a settings file", file=file)
+    try:
+        text = content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        raise InputError("is not UTF-8 text; save it as UTF-8", file=file, line=line) from None
+    return parse_source(text, str(file))
+
+
+def parse_source(text: str, file: str) -> Source:
+    """Parse YAML text: duplicate keys, merge keys and numbers without meaning are refused.
+
+    Parameters
+    ----------
+    text
+        The file's content.
+    file
+        Its name, for messages.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        The text is not YAML, or not the plain YAML a settings file needs.
+    """
+    loader: yaml.SafeLoader | None = None
+    try:
+        loader = yaml.SafeLoader(text)
+        node = loader.get_single_node()
+        if node is None:
+            raise InputError("is empty; write the settings into it", file=file)
+        lines = {path: at.start_mark.line + 1 for path, at in _walk(node, file)}
+        document = loader.construct_document(node)
+    except yaml.YAMLError as error:
+        raise _yaml_error(error, file) from None
+    except RecursionError:
+        raise InputError("is nested too deeply", file=file) from None
+    except (ValueError, OverflowError) as error:
+        message = f"holds a value YAML cannot make sense of: {_one_line(str(error))}"
+        raise InputError(message, file=file) from None
+    finally:
+        if loader is not None:
+            loader.dispose()
+    source = Source(file, document, lines)
+    _check_numbers(source, document, ())
+    return source
+
+
+def _walk(root: yaml.Node, file: str) -> Iterator[tuple[PathInDocument, yaml.Node]]:
+    """Yield every node and its path; bounded, since an alias may lead back to its own parent."""
+    waiting: list[tuple[PathInDocument, yaml.Node]] = [((), root)]
+    seen = 0
+    while waiting:
+        path, node = waiting.pop()
+        seen += 1
+        if len(path) > MAX_DEPTH or seen > MAX_NODES:
+            line = node.start_mark.line + 1
+            raise InputError("is nested too deeply or refers to itself", file=file, line=line)
+        yield path, node
+        if isinstance(node, yaml.SequenceNode):
+            waiting += [((*path, index), child) for index, child in enumerate(node.value)]
+        elif isinstance(node, yaml.MappingNode):
+            waiting += _children(path, node, file)
+
+
+def _children(
+    path: PathInDocument, node: yaml.MappingNode, file: str
+) -> Iterator[tuple[PathInDocument, yaml.Node]]:
+    seen: dict[str, int] = {}
+    for key, child in node.value:
+        line = key.start_mark.line + 1
+        name = key.value if isinstance(key, yaml.ScalarNode) else None
+        if name is None or key.tag != "tag:yaml.org,2002:str":
+            shown = "a list or mapping" if name is None else repr(name)
+            message = f"a key must be a plain word, not {shown}; see the examples"
+            raise InputError(message, file=file, line=line)
+        if name in seen:
+            message = f"{spelled((*path, name))}: already given on line {seen[name]}; remove one"
+            raise InputError(message, file=file, line=line)
+        seen[name] = line
+        yield (*path, name), child
+
+
+def _check_numbers(source: Source, value: Any, path: PathInDocument) -> None:
+    if isinstance(value, dict):
+        for key, item in value.items():
+            _check_numbers(source, item, (*path, key))
+    elif isinstance(value, list):
+        for index, item in enumerate(value):
+            _check_numbers(source, item, (*path, index))
+    elif isinstance(value, int | float) and not abs(value) <= MAX_NUMBER:
+        shown = "not a number" if math.isnan(value) else "too large a number"
+        raise source.error(path, f"{shown}; choose one up to {MAX_NUMBER:g}")
+
+
+def _yaml_error(error: yaml.YAMLError, file: str) -> InputError:
+    mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
+    problem = getattr(error, "problem", None) or getattr(error, "reason", None) or "unreadable"
+    line = None if mark is None else mark.line + 1
+    return InputError(f"is not YAML: {_one_line(str(problem))}", file=file, line=line)
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())[:200]
