@@ -148,7 +148,7 @@ def decode(
     n_samples = len(counts)
     where, steps = _edges(state.last_count, counts, geometry.counter_bits)
     # Edge k lies between samples k - 1 and k of the block.
-    times = where + (block.first_sample - 0.5)
+    times: NDArray[np.float64] = where + np.float64(block.first_sample - 0.5)
     moved = int(steps.sum())
     position = state.position + moved
     edge_samples, edge_step = _latest_run(state, times, steps)

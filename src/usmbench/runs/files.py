@@ -1,0 +1,169 @@
+"""Writing that survives a cut: files replaced in one step, rows appended and forced to disk."""
+
+import errno
+import os
+from contextlib import suppress
+from pathlib import Path
+
+from usmbench.errors import BenchError
+
+
+def disk_error(path: Path, error: OSError) -> BenchError:
+    """Return what the user is told when the run folder cannot be written.
+
+    Parameters
+    ----------
+    path
+        The file that could not be written.
+    error
+        What the system said.
+
+    Returns
+    -------
+    usmbench.errors.BenchError
+        What happened, what is safe and what to do.
+    """
+    full = error.errno in (errno.ENOSPC, errno.EDQUOT)
+    what = "no space left on the disk" if full else error.strerror or str(error)
+    mend = "free some space" if full else "mend the disk"
+    return BenchError(
+        f"{path}: {what}; every row reported before is safe in {path.parent}, "
+        f"{mend} and take the plan up again with --resume {path.parent}"
+    )
+
+
+def sync_folder(folder: Path) -> None:
+    """Force a folder's list of files to disk.
+
+    Parameters
+    ----------
+    folder
+        The folder; systems that cannot open folders (Windows) need no such call.
+    """
+    with suppress(PermissionError):
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
+
+
+def replace_file(path: Path, content: bytes) -> None:
+    """Replace a file so that at any instant either the old or the new one is whole.
+
+    Parameters
+    ----------
+    path
+        The file; it need not exist.
+    content
+        Its new content.
+
+    Raises
+    ------
+    OSError
+        The new file could not be written; the old one is untouched.
+    """
+    new = path.with_name(path.name + ".new")
+    try:
+        with new.open("wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        new.replace(path)
+    except OSError:
+        with suppress(OSError):
+            new.unlink(missing_ok=True)
+        raise
+    sync_folder(path.parent)
+
+
+class AppendedFile:
+    """A file that only grows, row by row, each handed to the system at once.
+
+    Parameters
+    ----------
+    path
+        The file; made where it does not exist.
+
+    Raises
+    ------
+    usmbench.errors.BenchError
+        The file cannot be opened.
+    """
+
+    def __init__(self, path: Path):
+        self.path = path
+        try:
+            flags = os.O_RDWR | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0)
+            self._descriptor = os.open(path, flags, 0o644)
+            self._size = os.fstat(self._descriptor).st_size
+        except OSError as error:
+            raise disk_error(path, error) from error
+
+    @property
+    def size(self) -> int:
+        """Bytes in the file, all of them whole rows."""
+        return self._size
+
+    def append(self, rows: bytes) -> None:
+        """Append whole rows; what is appended survives the death of this process.
+
+        Parameters
+        ----------
+        rows
+            One or more rows, each with its line end.
+
+        Raises
+        ------
+        usmbench.errors.BenchError
+            The rows could not be written; the file ends with the row before them.
+        """
+        try:
+            written = os.write(self._descriptor, rows)
+            while written < len(rows):
+                written += os.write(self._descriptor, rows[written:])
+        except OSError as error:
+            with suppress(OSError):
+                os.ftruncate(self._descriptor, self._size)
+            raise disk_error(self.path, error) from error
+        self._size += written
+
+    def drop_torn_row(self) -> None:
+        """Cut what follows the last line end: the rest of a row that a cut interrupted.
+
+        Raises
+        ------
+        usmbench.errors.BenchError
+            The file cannot be read or cut.
+        """
+        try:
+            with self.path.open("rb") as file:
+                end = _end_of_rows(file.read())
+            os.ftruncate(self._descriptor, end)
+        except OSError as error:
+            raise disk_error(self.path, error) from error
+        self._size = end
+
+    def sync(self) -> None:
+        """Force what was appended to disk; it then survives a power cut too.
+
+        Raises
+        ------
+        usmbench.errors.BenchError
+            The system could not.
+        """
+        try:
+            os.fsync(self._descriptor)
+        except OSError as error:
+            raise disk_error(self.path, error) from error
+
+    def close(self) -> None:
+        """Release the file; safe to call twice."""
+        if self._descriptor >= 0:
+            os.close(self._descriptor)
+            self._descriptor = -1
+
+
+def _end_of_rows(content: bytes) -> int:
+    """Return where the last whole row ends."""
+    return content.rfind(b"\n") + 1

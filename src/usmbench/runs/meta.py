@@ -1,0 +1,136 @@
+"""run.yaml and the check sums in it."""
+
+import hashlib
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from usmbench.errors import InputError
+from usmbench.runs.columns import FORMAT, RUN_FILE
+
+# What PyYAML's constructors let through besides its own errors, on text that only looks like YAML.
+_YAML_TROUBLE = (ValueError, LookupError, AttributeError, OverflowError, RecursionError, TypeError)
+
+
+def now_iso() -> str:
+    """Return the time of day as run.yaml writes it: ISO 8601 with zone."""
+    return datetime.now().astimezone().isoformat(timespec="milliseconds")
+
+
+def sha256_of(path: Path) -> str:
+    """Return a file's SHA-256, in hexadecimal.
+
+    Parameters
+    ----------
+    path
+        The file.
+    """
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def read_meta(folder: Path) -> dict[str, Any]:
+    """Return what a run folder's run.yaml says.
+
+    Parameters
+    ----------
+    folder
+        The run folder.
+
+    Returns
+    -------
+    dict
+        The keys of run.yaml; any but `format` may be missing.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        No such file, not YAML, or not a format this version reads.
+    """
+    path = folder / RUN_FILE
+    try:
+        meta = yaml.safe_load(path.read_bytes())
+    except OSError as error:
+        raise InputError(
+            f"cannot be read: {error.strerror}; name a run folder or a CSV file", file=path
+        ) from error
+    except yaml.MarkedYAMLError as error:
+        line = error.problem_mark.line + 1 if error.problem_mark else None
+        raise InputError(
+            f"not YAML: {error.problem}; mend this line", file=path, line=line
+        ) from error
+    except (yaml.YAMLError, *_YAML_TROUBLE) as error:
+        raise InputError("not YAML; restore the file that the run wrote", file=path) from error
+    if not isinstance(meta, dict):
+        raise InputError(f"has no keys; it must at least say format: {FORMAT}", file=path)
+    if meta.get("format") != FORMAT:
+        raise InputError(
+            f"format is {meta.get('format')!r}, this version reads {FORMAT}; "
+            "install the version of usmbench that wrote it",
+            file=path,
+        )
+    return meta
+
+
+def verify_sha256(folder: Path) -> list[str]:
+    """Hold the data files against the check sums that were written when the run was closed.
+
+    Parameters
+    ----------
+    folder
+        The run folder.
+
+    Returns
+    -------
+    list of str
+        Names of the files that are missing or have changed; empty where all is well, or where the
+        run was never closed.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        run.yaml cannot be read, or names a file outside the folder.
+    """
+    folder = Path(folder)
+    sums = read_meta(folder).get("sha256") or {}
+    if not isinstance(sums, dict):
+        raise InputError("sha256 must map file names to sums", file=folder / RUN_FILE)
+    changed = []
+    for name, expected in sums.items():
+        path = inside(folder, name)
+        try:
+            unchanged = sha256_of(path) == expected
+        except OSError:
+            unchanged = False
+        if not unchanged:
+            changed.append(str(name))
+    return changed
+
+
+def inside(folder: Path, name: object) -> Path:
+    """Return the path of a data file that run.yaml names.
+
+    Parameters
+    ----------
+    folder
+        The run folder.
+    name
+        The name as run.yaml has it.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        The file would not lie in the folder.
+    """
+    path = folder / str(name)
+    try:
+        if path.resolve().parent == folder.resolve():
+            return path
+    except (OSError, ValueError, RuntimeError):
+        pass
+    raise InputError(
+        f"sha256 names {name!r}, which is not a file of this folder; remove the entry",
+        file=folder / RUN_FILE,
+    )
