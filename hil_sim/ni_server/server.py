@@ -1,0 +1,91 @@
+"""Start and stop the stand-in NI device server."""
+
+from concurrent.futures import ThreadPoolExecutor
+from typing import Final
+
+import grpc
+
+from hil_sim.faults import FaultKind, FaultSchedule
+from hil_sim.ni_server.card import Card
+from hil_sim.ni_server.channels import Wiring
+from hil_sim.ni_server.clock import SampleFeed
+from hil_sim.ni_server.service import NiDaqService
+
+_WORKERS: Final = 8  # an event stream holds one for as long as it is open
+_STOP_TIMEOUT_S: Final = 5.0
+
+
+class NiServer:
+    """A running server, on this machine only.
+
+    Parameters
+    ----------
+    feed
+        Where the samples come from.
+    lock_step
+        Whether time stands still until samples are read.
+    faults
+        What goes wrong, and when.
+    device
+        Name of the card.
+
+    Raises
+    ------
+    OSError
+        No port of this machine can be opened.
+    """
+
+    def __init__(
+        self,
+        feed: SampleFeed,
+        *,
+        lock_step: bool,
+        faults: FaultSchedule,
+        device: str = "Dev1",
+    ):
+        wraps = faults.of(FaultKind.COUNTER_WRAP)
+        wiring = Wiring(device, wraps[0].counts if wraps else None)
+        card = Card(feed, lock_step=lock_step, faults=faults)
+        self._workers = ThreadPoolExecutor(_WORKERS, thread_name_prefix="ni_server")
+        self._server = grpc.server(self._workers)
+        service = NiDaqService(card, wiring, die=lambda: self._server.stop(None))
+        self._server.add_generic_rpc_handlers((service.handlers(),))
+        try:
+            port = self._server.add_insecure_port("127.0.0.1:0")
+        except RuntimeError as error:
+            raise OSError(f"no port for the NI device server on 127.0.0.1: {error}") from error
+        self.address = f"127.0.0.1:{port}"
+        self._server.start()
+
+    def stop(self) -> None:
+        """Stop answering and end all threads; safe to call twice."""
+        self._server.stop(None).wait(_STOP_TIMEOUT_S)
+        self._workers.shutdown(wait=True)
+
+
+def serve(
+    feed: SampleFeed,
+    *,
+    lock_step: bool,
+    faults: FaultSchedule | None = None,
+    device: str = "Dev1",
+) -> NiServer:
+    """Start a server and return it; its `address` is where clients connect.
+
+    Parameters
+    ----------
+    feed
+        Where the samples come from.
+    lock_step
+        Whether simulated time stands still until samples are read, instead of following the clock.
+    faults
+        What goes wrong, and when; None for nothing.
+    device
+        Name of the card.
+
+    Raises
+    ------
+    OSError
+        No port of this machine can be opened.
+    """
+    return NiServer(feed, lock_step=lock_step, faults=faults or FaultSchedule(), device=device)
