@@ -225,8 +225,63 @@ def _layout(name: str, fields: tuple[Field, ...]) -> list[str]:
     return [f"{key} (", *(f"        {item}" for item in items), "    ),"]
 
 
+ASSEMBLER_PREFIXES = {
+    "Flags": "FLAG",
+    "RequestType": "REQUEST",
+    "Refusal": "REFUSAL",
+    "ResetCause": "RESET",
+    "Faults": "FAULT",
+}
+
+
+def render_assembler(description: Description) -> str:
+    """Write the firmware's include file.
+
+    Parameters
+    ----------
+    description
+        What to write.
+
+    Returns
+    -------
+    str
+        Source text of firmware/src/protocol.inc: the same numbers for gpasm, bit numbers for the
+        groups of bits, and of each message the payload lengths and the request's field offsets.
+    """
+    lines = ["; The wire in numbers. Made from firmware/protocol.yaml by firmware/generate.py.", ""]
+    lines += [_equate(name, value) for name, value in description.constants.items()]
+    for group, members in description.enums.items():
+        prefix = ASSEMBLER_PREFIXES[group]
+        lines.append("")
+        for name, value in members.items():
+            lines.append(_equate(f"{prefix}_{name.upper()}", value))
+            if group in BIT_GROUPS:
+                lines.append(_equate(f"{prefix}_{name.upper()}_BIT", value.bit_length() - 1))
+    for request in description.requests:
+        lines += ["", *_message_equates(request)]
+    return "\n".join(lines) + "\n"
+
+
+def _equate(name: str, value: int) -> str:
+    """Write one constant for gpasm."""
+    return f"{name:<40}equ     {value}"
+
+
+def _message_equates(request: Request) -> list[str]:
+    """Write one message's lengths and the offsets in its request's payload."""
+    prefix = request.name.upper()
+    lines, offset = [], 0
+    for field in request.request:
+        lines.append(_equate(f"{prefix}_{field.name.upper()}", offset))
+        offset += SIZES[field.type]
+    lines.append(_equate(f"{prefix}_REQUEST_LENGTH", offset))
+    reply_length = sum(SIZES[field.type] for field in request.reply)
+    return [*lines, _equate(f"{prefix}_REPLY_LENGTH", reply_length)]
+
+
 OUTPUTS: dict[Path, Callable[[Description], str]] = {
     ROOT / "src/usmbench/instruments/protocol/_generated.py": render_python,
+    ROOT / "firmware/src/protocol.inc": render_assembler,
 }
 
 

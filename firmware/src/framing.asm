@@ -30,7 +30,7 @@ crc_x           res     1
 crc_r           res     1
 count           res     1
 code_at         res     1
-code            res     1
+block_code      res     1
 
 framing_code code
 framing_init:
@@ -173,7 +173,7 @@ reply_send:
 new_block:
         movff   FSR1L, code_at          ; the code goes here once the block's length is known
         movlw   1
-        movwf   code
+        movwf   block_code
         incf    FSR1L, F
 encode_next:
         movf    count, F
@@ -182,7 +182,7 @@ encode_next:
         movf    POSTINC0, W
         bz      block_ends
         movwf   POSTINC1
-        incf    code, F
+        incf    block_code, F
         bra     encode_next
 block_ends:
         rcall   put_code
@@ -196,7 +196,7 @@ encoded:
 put_code:
         movf    FSR1L, W
         movff   code_at, FSR1L
-        movff   code, INDF1
+        movff   block_code, INDF1
         movwf   FSR1L
         return
 

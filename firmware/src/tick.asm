@@ -42,7 +42,7 @@ host_heard:
         return
 
 sync_rise:
-        bsf     LATB, SYNC
+        bsf     LATB, SYNC_PIN
         movlw   SYNC_TICKS
         movwf   sync_left
         return
@@ -58,7 +58,7 @@ tick_poll:
         bz      sync_is_low
         decfsz  sync_left, F
         bra     sync_is_low
-        bcf     LATB, SYNC
+        bcf     LATB, SYNC_PIN
 sync_is_low:
         btfss   flags, FLAG_OUTPUTS_ON_BIT
         bra     tick_done

@@ -65,6 +65,7 @@ class Faults(IntFlag):
     STACK = 0x02
     DDS_MISMATCH = 0x04
     BROWN_OUT = 0x08
+    STATE = 0x10
 
 
 # Name and struct code of each field; little-endian, no padding.
