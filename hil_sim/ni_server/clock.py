@@ -13,7 +13,17 @@ from hil_sim.signals import Samples
 
 
 class SampleFeed(Protocol):
-    """What the card's inputs are wired to."""
+    """What the card's inputs are wired to; `hil_sim.sample_feed.SampleFeed` is one."""
+
+    @property
+    def time_s(self) -> float:
+        """Simulated time of the end of the samples taken."""
+
+    def start(self) -> None:
+        """Begin an acquisition: sample 0 is the first one after this call."""
+
+    def stop(self) -> None:
+        """End an acquisition; safe to call twice."""
 
     def acquire(self, n_samples: int, sample_rate_hz: float) -> Samples:
         """Return the next `n_samples` and move simulated time on by as much."""
@@ -63,13 +73,12 @@ class SampleClock:
         self._now_s = now_s
         self._rate_hz = 1.0
         self._started_s = 0.0
-        self._time_before_s = 0.0
         self._chunks: deque[Chunk] = deque()
 
     @property
     def time_s(self) -> float:
-        """Simulated time: the samples taken so far, all runs of the clock together."""
-        return self._time_before_s + self.taken / self._rate_hz
+        """Simulated time of the end of the samples taken."""
+        return self._feed.time_s
 
     def start(self, rate_hz: float) -> None:
         """Start counting samples from 0.
@@ -79,7 +88,7 @@ class SampleClock:
         rate_hz
             Samples a second.
         """
-        self._time_before_s = self.time_s
+        self._feed.start()
         self._rate_hz = rate_hz
         self._started_s = self._now_s()
         self._chunks.clear()
@@ -89,6 +98,7 @@ class SampleClock:
     def stop(self) -> None:
         """Stop ticking; what was taken stays readable."""
         self.running = False
+        self._feed.stop()
 
     def due(self) -> int:
         """Return how many samples the card has taken by now."""
