@@ -5,7 +5,7 @@
         global  commands_init, execute, forget_request
         extern  request, payload_length, request_crc, bad_frames, reply_start, reply_send, line_send
         extern  host_heard, flags, faults, reset_cause, silence_trips, fault_stop
-        extern  dds_apply, new_is_present, new_frequency, new_phase, frequency_word, phase_word
+        extern  dds_set_drive, dds_set_phase, new_frequency, new_phase, frequency_word, phase_word
         extern  dds_error, outputs_start, outputs_stop
 
 TYPE            equ     1       ; offsets in `request`
@@ -145,8 +145,10 @@ set_drive:
         movff   request + PAYLOAD + SET_DRIVE_FREQUENCY_WORD + 1, new_frequency + 1
         movff   request + PAYLOAD + SET_DRIVE_FREQUENCY_WORD + 2, new_frequency + 2
         movff   request + PAYLOAD + SET_DRIVE_FREQUENCY_WORD + 3, new_frequency + 3
+        rcall   take_phase
         bsf     flags, FLAG_CONFIGURED_BIT
-        bra     apply
+        call    dds_set_drive
+        bra     done
 
 set_phase:
         expect_length SET_PHASE_REQUEST_LENGTH
@@ -156,12 +158,8 @@ set_phase:
         btfsc   STATUS, C
         bra     refuse_phase
         expect_no_fault
-        call    new_is_present
-apply:
-        movff   INDF0, new_phase + 1
-        movf    POSTDEC0, W             ; FSR0 is at the phase word's high byte
-        movff   INDF0, new_phase
-        call    dds_apply
+        rcall   take_phase
+        call    dds_set_phase
         bra     done
 
 outputs:
@@ -266,6 +264,12 @@ phase_in_range:
         subwf   scratch, W
         movlw   high (PHASE_WORD_MAX - PHASE_WORD_MIN + 1)
         subwfb  scratch + 1, W
+        return
+
+; The phase word whose high byte is at FSR0.
+take_phase:
+        movff   POSTDEC0, new_phase + 1
+        movff   INDF0, new_phase
         return
 
 dds_differs:

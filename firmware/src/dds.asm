@@ -1,20 +1,20 @@
 ; The two AD9833 chips on one SPI bus (CKP = 1, CKE = 1, 1.84 MHz: they latch on the falling edge).
 ;
-; Each chip has two frequency and two phase registers. A new setting goes into the pair that is not
-; in use; then one control word, sent with both FSYNC low, selects it in both chips at the same
-; clock edge. The wire to the chips is read back (RC4), and a setting whose words did not arrive on
-; it as sent is never selected.
+; Each chip has two frequency and two phase registers. A new value goes into the one that is not in
+; use; then one control word, sent with both FSYNC low, selects it in both chips at the same clock
+; edge. Generator A is the reference: its phase registers hold 0 from start-up on. The wire to the
+; chips is read back (RC4), and a setting whose words did not arrive on it as sent is never selected.
 
         include "board.inc"
 
-        global  dds_init, dds_apply, dds_check_port, outputs_start, outputs_stop
-        global  new_frequency, new_phase, new_is_present, frequency_word, phase_word, dds_error
+        global  dds_init, dds_set_drive, dds_set_phase, dds_check_port, outputs_start, outputs_stop
+        global  new_frequency, new_phase, frequency_word, phase_word, dds_error
         extern  flags, sync_rise
 
 ; AD9833 data sheet: control bits, and the addresses of the registers, both in the high byte
 CONTROL_B28             equ     0x20    ; a frequency comes as two words, low half first
-CONTROL_FSELECT         equ     0x08
-CONTROL_PSELECT         equ     0x04
+CONTROL_FSELECT_BIT     equ     3
+CONTROL_PSELECT_BIT     equ     2
 CONTROL_RESET           equ     0x01
 CONTROL_LOW             equ     0x28    ; OPBITEN and DIV2: the accumulator's top bit, undivided
 FREQ0                   equ     0x40
@@ -29,7 +29,7 @@ new_frequency   res     4       ; to be applied
 new_phase       res     2
 frequency_word  res     4       ; in force, in both chips
 phase_word      res     2       ; in force in chip B, low 12 bits; chip A has 0
-bank            res     1       ; bit 0: registers FREQ1 and PHASE1 are in use
+selected        res     1       ; FSELECT and PSELECT in force
 chips           res     1       ; FSYNC bits of the chips that the next word goes to
 word_low        res     1
 word_high       res     1
@@ -41,57 +41,75 @@ rotated         res     1
 dds_code code
 dds_init:
         clrf    dds_error
-        clrf    bank
-        clrf    frequency_word
-        clrf    frequency_word + 1
-        clrf    frequency_word + 2
-        clrf    frequency_word + 3
-        clrf    phase_word
-        clrf    phase_word + 1
+        clrf    selected
         movlw   (1 << CKE)
         movwf   SSPSTAT
         movlw   SPI_MODE
         movwf   SSPCON1
         rcall   send_control            ; RESET first: the registers hold anything after power-on
-        rcall   new_is_present
+        clrf    new_frequency
+        clrf    new_frequency + 1
+        clrf    new_frequency + 2
+        clrf    new_frequency + 3
+        clrf    new_phase
+        clrf    new_phase + 1
+        rcall   note_frequency
+        rcall   note_phase
         movlw   FREQ0
         rcall   send_frequency
+        movlw   FREQ1
+        rcall   send_frequency
         movlw   PHASE0
-        goto    send_phases
+        rcall   send_phase              ; FSYNC_BOTH is still chosen
+        movlw   PHASE1
+        bra     send_phase
 
 ; Have `new_frequency` and `new_phase` take force, both chips at once. `dds_error` tells of failure.
-dds_apply:
-        movlw   0x0F
-        andwf   new_phase + 1, F
+dds_set_drive:
         movlw   FREQ1
-        btfsc   bank, 0
+        btfsc   selected, CONTROL_FSELECT_BIT
         movlw   FREQ0
         rcall   send_frequency
-        movlw   PHASE1
-        btfsc   bank, 0
-        movlw   PHASE0
-        rcall   send_phases
+        rcall   load_phase
         tstfsz  dds_error
         return
-        btg     bank, 0
+        btg     selected, CONTROL_FSELECT_BIT
+        btg     selected, CONTROL_PSELECT_BIT
         rcall   send_control
+note_frequency:
         movff   new_frequency, frequency_word
         movff   new_frequency + 1, frequency_word + 1
         movff   new_frequency + 2, frequency_word + 2
         movff   new_frequency + 3, frequency_word + 3
+note_phase:
         movff   new_phase, phase_word
         movff   new_phase + 1, phase_word + 1
         return
 
-; The setting in force becomes the new one, for a command that changes only part of it.
-new_is_present:
-        movff   frequency_word, new_frequency
-        movff   frequency_word + 1, new_frequency + 1
-        movff   frequency_word + 2, new_frequency + 2
-        movff   frequency_word + 3, new_frequency + 3
-        movff   phase_word, new_phase
-        movff   phase_word + 1, new_phase + 1
+; Have `new_phase` take force.
+dds_set_phase:
+        rcall   load_phase
+        tstfsz  dds_error
         return
+        btg     selected, CONTROL_PSELECT_BIT
+        rcall   send_control
+        bra     note_phase
+
+load_phase:
+        movlw   0x0F
+        andwf   new_phase + 1, F
+        movlw   (1 << FSYNC_B)
+        movwf   chips
+        movlw   PHASE1
+        btfsc   selected, CONTROL_PSELECT_BIT
+        movlw   PHASE0
+; `new_phase` into the register at address W of the chosen chips.
+send_phase:
+        movwf   word_high
+        movf    new_phase + 1, W
+        iorwf   word_high, F
+        movff   new_phase, word_low
+        bra     send_word
 
 outputs_start:
         bsf     flags, FLAG_OUTPUTS_ON_BIT
@@ -104,12 +122,11 @@ outputs_start:
 outputs_stop:
         bcf     LATC, ENABLE            ; the power stage first: it needs no chip to obey
         bcf     flags, FLAG_OUTPUTS_ON_BIT
-; Select the bank and the RESET state in both chips. No interrupt comes between the word and the
+; Select the registers and the RESET state in both chips. No interrupt comes between the word and the
 ; sync pin's edge (13 us), so the edge always comes the same time after it.
 send_control:
-        movlw   CONTROL_B28
-        btfsc   bank, 0
-        iorlw   CONTROL_FSELECT | CONTROL_PSELECT
+        movf    selected, W
+        iorlw   CONTROL_B28
         btfss   flags, FLAG_OUTPUTS_ON_BIT
         iorlw   CONTROL_RESET
         movwf   word_high
@@ -154,23 +171,7 @@ send_frequency:
         andlw   0x3C
         iorwf   word_high, F
         movf    address, W
-        iorwf   word_high, F
-        bra     send_word
-
-; Phase 0 into the register at address W of chip A, `new_phase` into chip B's.
-send_phases:
-        movwf   word_high
-        movwf   address
-        clrf    word_low
-        movlw   (1 << FSYNC_A)
-        movwf   chips
-        rcall   send_word
-        movff   new_phase, word_low
-        movf    new_phase + 1, W
-        iorwf   address, W
-        movwf   word_high
-        movlw   (1 << FSYNC_B)
-        movwf   chips
+        iorwf   word_high, F            ; and on into send_word
 
 send_word:
         comf    chips, W
