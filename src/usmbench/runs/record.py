@@ -59,6 +59,8 @@ class Record:
         The settled pairs, measured or derived from the windows.
     meta
         What run.yaml says; empty for a bare CSV.
+    extra
+        Every other column by its name, as numbers where it holds nothing else, else as text.
     """
 
     name: str
@@ -74,3 +76,4 @@ class Record:
     temperature_c: Column | None = None
     pairs: Pairs | None = None
     meta: dict[str, Any] = field(default_factory=dict)
+    extra: dict[str, Column | NDArray[np.str_]] = field(default_factory=dict)

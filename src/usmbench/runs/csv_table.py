@@ -1,0 +1,185 @@
+"""CSV columns in memory: a fast way for numbers, a careful one for text and for what is wrong."""
+
+import csv
+import io
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.errors import InputError
+
+Values = NDArray[np.float64] | NDArray[np.str_]
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """The columns of one CSV file.
+
+    Parameters
+    ----------
+    path
+        The file, for messages.
+    columns
+        Each column by its name, shape (N,); text where a column holds more than numbers.
+    """
+
+    path: Path
+    columns: Mapping[str, Values]
+
+    def line_of(self, row: int) -> int:
+        """Return the line of the file that a row stands in, counted from 1.
+
+        Parameters
+        ----------
+        row
+            Number of the row, from 0.
+        """
+        reader = csv.reader(io.StringIO(_text(self.path)))
+        next(reader)
+        rows = (reader.line_num for cells in reader if cells)
+        return next(islice(rows, row, None))
+
+
+def read_table(
+    path: Path,
+    *,
+    needed: Collection[str],
+    numbers: Collection[str],
+    whole_rows: bool,
+    may_be_empty: bool = False,
+) -> Table:
+    """Read a CSV file with a line of column names.
+
+    Parameters
+    ----------
+    path
+        The file.
+    needed
+        Columns it must have.
+    numbers
+        Columns that hold numbers; any other may hold text.
+    whole_rows
+        Whether a last row without a line end is known to be torn, as in a file that a sweep writes.
+        Else it is dropped only where it has too few fields.
+    may_be_empty
+        Whether a file without rows will do.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        The file cannot be read, is not such a table, or has no rows though it must.
+    """
+    text = _text(path)
+    if whole_rows and not text.endswith("\n"):
+        text = text[: text.rfind("\n") + 1]
+    names = _names(path, text, needed)
+    columns = _all_numbers(text, names)
+    if columns is None:
+        columns = _row_by_row(path, text, names, numbers)
+    if not len(columns[names[0]]) and not may_be_empty:
+        raise InputError("has no rows; the run stopped before its first", file=path)
+    return Table(path, columns)
+
+
+def _text(path: Path) -> str:
+    """Return the file's text; zeros that a power cut left at its end are dropped."""
+    try:
+        return path.read_bytes().rstrip(b"\0").decode("utf-8-sig")
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", file=path) from error
+    except UnicodeDecodeError as error:
+        line = error.object.count(b"\n", 0, error.start) + 1
+        raise InputError("not text in UTF-8; save it as CSV", file=path, line=line) from error
+
+
+def _names(path: Path, text: str, needed: Collection[str]) -> list[str]:
+    """Return the column names."""
+    head = text.partition("\n")[0].strip("\r")
+    names = [name.strip() for name in next(csv.reader([head]), [])] if head.isprintable() else []
+    missing = [name for name in needed if name not in names]
+    if missing:
+        raise InputError(
+            f"no column {missing[0]!r}; the first line must name the columns, "
+            f"separated by commas, {', '.join(needed)} among them",
+            file=path,
+            line=1,
+        )
+    if len(set(names)) < len(names):
+        twice = next(name for name in names if names.count(name) > 1)
+        raise InputError(f"column {twice!r} stands twice; rename one", file=path, line=1)
+    return names
+
+
+def _all_numbers(text: str, names: list[str]) -> dict[str, Values] | None:
+    """Return the columns of a file that holds nothing but numbers, None for any other."""
+    body = io.StringIO(text)
+    body.readline()
+    start = body.tell()
+    if not body.readline().strip():
+        return None
+    body.seek(start)
+    try:
+        table = np.loadtxt(body, delimiter=",", comments=None, ndmin=2)
+    except ValueError:
+        return None
+    return dict(zip(names, table.T, strict=True)) if table.shape[1] == len(names) else None
+
+
+def _row_by_row(
+    path: Path, text: str, names: list[str], numbers: Collection[str]
+) -> dict[str, Values]:
+    """Return the columns, text among them; say in which line a number is wrong."""
+    cells: list[list[str]] = []
+    lines: list[int] = []
+    reader = csv.reader(io.StringIO(text))
+    try:
+        next(reader, None)
+        for row in reader:
+            if row:
+                cells.append(row)
+                lines.append(reader.line_num)
+    except csv.Error as error:
+        raise InputError(f"not CSV: {error}", file=path, line=reader.line_num) from error
+    if cells and len(cells[-1]) < len(names) and not text.endswith("\n"):
+        cells.pop()
+    for row, line in zip(cells, lines, strict=False):
+        if len(row) != len(names):
+            raise InputError(
+                f"{len(row)} fields where the first line names {len(names)}; mend the row",
+                file=path,
+                line=line,
+            )
+    columns: dict[str, Values] = {}
+    for i, name in enumerate(names):
+        values = [row[i].strip() for row in cells]
+        columns[name] = _column(path, name, values, lines, is_number=name in numbers)
+    return columns
+
+
+def _column(
+    path: Path, name: str, values: list[str], lines: list[int], *, is_number: bool
+) -> Values:
+    """Return one column, as numbers where it can be."""
+    parsed = [_number(value) for value in values]
+    if None not in parsed:
+        return np.array(parsed, dtype=np.float64)
+    if not is_number:
+        return np.array(values, dtype=np.str_)
+    wrong = parsed.index(None)
+    raise InputError(
+        f"{name} is {values[wrong][:40]!r}, not a number; mend or remove the row",
+        file=path,
+        line=lines[wrong],
+    )
+
+
+def _number(text: str) -> float | None:
+    """Return the number, None where it is none; Python's 1_000 is no number in a CSV file."""
+    try:
+        return None if "_" in text else float(text)
+    except ValueError:
+        return None

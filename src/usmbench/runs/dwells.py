@@ -1,0 +1,87 @@
+"""Settled (φ, ω) pairs from windows, where a run has no pairs.csv."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from usmbench.runs.record import Column, Pairs
+
+# Without a settled column: the part of a dwell taken for settling, whatever its length.
+_SETTLING_SHARE = 1.0 / 3.0
+
+
+def derive_pairs(
+    t_s: Column,
+    phase_deg: Column,
+    speed_rad_s: Column,
+    optional: Mapping[str, Column | None],
+) -> Pairs | None:
+    """Average the settled windows of every dwell.
+
+    A dwell is a stretch of windows with the same phase, frequency, torque and sweep.
+
+    Parameters
+    ----------
+    t_s, phase_deg, speed_rad_s
+        Columns of the windows, shape (N,).
+    optional
+        The columns frequency_hz, torque_nm, sweep and settled, each shape (N,) or None. Without
+        `settled` the first third of each dwell is left out.
+
+    Returns
+    -------
+    Pairs or None
+        One pair a dwell that has settled windows; frequency and torque are NaN where the run does
+        not say. None where no dwell has any.
+    """
+    unknown = np.full(len(t_s), np.nan)
+    frequency_hz = _or(optional.get("frequency_hz"), unknown)
+    torque_nm = _or(optional.get("torque_nm"), unknown)
+    commands = [phase_deg, frequency_hz, torque_nm, _or(optional.get("sweep"), unknown)]
+    first = np.zeros(len(t_s), dtype=bool)
+    first[0] = True
+    for command in commands:
+        first[1:] |= (command[1:] != command[:-1]) & ~np.isnan(command[1:])
+    start = np.flatnonzero(first)
+    length = np.diff(np.append(start, len(t_s)))
+    settled = optional.get("settled")
+    if settled is None:
+        into_dwell = np.arange(len(t_s)) - np.repeat(start, length)
+        counted = into_dwell >= np.repeat(np.floor(length * _SETTLING_SHARE), length)
+    else:
+        counted = settled != 0.0
+    n_windows = np.add.reduceat(counted, start, dtype=np.float64)
+    has_pair = n_windows > 0.0
+    if not has_pair.any():
+        return None
+    divisor = np.maximum(n_windows, 1.0)
+    mean = np.add.reduceat(np.where(counted, speed_rad_s, 0.0), start) / divisor
+    deviation = np.where(counted, speed_rad_s - np.repeat(mean, length), 0.0)
+    # One degree of freedom goes into the mean.
+    variance = np.add.reduceat(deviation**2, start) / np.maximum(n_windows - 1.0, 1.0)
+    return Pairs(
+        phase_deg=phase_deg[start][has_pair],
+        frequency_hz=frequency_hz[start][has_pair],
+        torque_nm=torque_nm[start][has_pair],
+        speed_rad_s=mean[has_pair],
+        speed_std_rad_s=np.sqrt(variance)[has_pair],
+        n_windows=n_windows[has_pair],
+        direction=_direction(phase_deg[start])[has_pair],
+        t_s=t_s[start + length - 1][has_pair],
+    )
+
+
+def _or(column: Column | None, otherwise: Column) -> Column:
+    """Return the column, or what stands for it where there is none."""
+    return otherwise if column is None else column
+
+
+def _direction(phase_deg: Column) -> Column:
+    """Return +1 where φ rose to its dwell, -1 where it fell; a start or repeat looks beyond."""
+    step = np.sign(np.diff(phase_deg, prepend=phase_deg[0]))
+    moved = np.flatnonzero(step)
+    if not len(moved):
+        return np.ones(len(phase_deg))
+    latest = np.maximum.accumulate(np.where(step != 0.0, np.arange(len(step)), moved[0]))
+    direction: Column = step[latest]
+    return direction

@@ -1,0 +1,162 @@
+"""From a run folder or a bare CSV to a `Record`, with what is missing derived."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from usmbench.errors import InputError
+from usmbench.runs.columns import (
+    PAIR_COLUMNS,
+    PAIRS_FILE,
+    RUN_FILE,
+    TEMPERATURE_COLUMN,
+    WINDOWS_FILE,
+)
+from usmbench.runs.csv_table import Table, read_table
+from usmbench.runs.dwells import derive_pairs
+from usmbench.runs.meta import read_meta
+from usmbench.runs.record import Column, Pairs, Record
+
+# The paper's window, where nothing says otherwise.
+_WINDOW_S = 0.01
+_NEEDED = ("phase_deg", "speed_rad_s")
+_OPTIONAL = ("frequency_hz", "torque_nm", "angle_rad", "sweep", "settled")
+_KNOWN = ("t_s", *_NEEDED, "window_s", *_OPTIONAL, TEMPERATURE_COLUMN)
+
+
+def read_run(path: Path | str) -> Record:
+    """Read one run.
+
+    Parameters
+    ----------
+    path
+        A run folder, or a bare CSV file with at least `phase_deg` and `speed_rad_s`.
+
+    Returns
+    -------
+    Record
+        The run. Where the file has none, `window_s` comes from run.yaml's encoder, else from the
+        median step of `t_s`, else it is 0.01 s; `t_s` of a bare CSV adds up the windows; the pairs
+        are derived from the windows.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        The run cannot be read; the message names the file, the line and the mend.
+    """
+    path = Path(path)
+    if path.is_dir():
+        meta = read_meta(path)
+        windows, whole = path / WINDOWS_FILE, True
+    else:
+        meta = {}
+        windows, whole = path, False
+    needed = ("t_s", *_NEEDED) if whole else _NEEDED
+    table = read_table(windows, needed=needed, numbers=_KNOWN, whole_rows=whole)
+    columns = _finite(table, (name for name in _KNOWN if name != TEMPERATURE_COLUMN))
+    window_s = _window_s(path, table, columns, meta)
+    t_s = columns["t_s"] if "t_s" in columns else np.cumsum(window_s)
+    _rising(table, t_s)
+    optional = {name: columns.get(name) for name in _OPTIONAL}
+    pairs = _read_pairs(path / PAIRS_FILE) if whole else None
+    return Record(
+        name=str(path),
+        t_s=t_s,
+        phase_deg=columns["phase_deg"],
+        speed_rad_s=columns["speed_rad_s"],
+        window_s=window_s,
+        temperature_c=_as_column(table, TEMPERATURE_COLUMN),
+        pairs=pairs or derive_pairs(t_s, columns["phase_deg"], columns["speed_rad_s"], optional),
+        meta=meta,
+        extra={name: column for name, column in table.columns.items() if name not in _KNOWN},
+        **optional,
+    )
+
+
+def _as_column(table: Table, name: str) -> Column | None:
+    """Return a column of numbers, None where the table does not have it."""
+    column = table.columns.get(name)
+    return None if column is None else column.astype(np.float64)
+
+
+def _finite(table: Table, names: Iterable[str]) -> dict[str, Column]:
+    """Return those of the columns that the table has, having checked their numbers."""
+    columns: dict[str, Column] = {}
+    for name in names:
+        column = _as_column(table, name)
+        if column is None:
+            continue
+        wrong = np.flatnonzero(~np.isfinite(column))
+        if len(wrong):
+            raise InputError(
+                f"{name} is {column[wrong[0]]}; mend or remove the row",
+                file=table.path,
+                line=table.line_of(int(wrong[0])),
+            )
+        columns[name] = column
+    return columns
+
+
+def _rising(table: Table, t_s: Column) -> None:
+    """Refuse time that stands still or runs back."""
+    wrong = np.flatnonzero(np.diff(t_s) <= 0.0)
+    if len(wrong):
+        raise InputError(
+            f"t_s does not rise ({t_s[wrong[0]]:.12g}, then {t_s[wrong[0] + 1]:.12g}); "
+            "sort the rows by time and give each window once",
+            file=table.path,
+            line=table.line_of(int(wrong[0]) + 1),
+        )
+
+
+def _window_s(path: Path, table: Table, columns: dict[str, Column], meta: dict[str, Any]) -> Column:
+    """Return the duration of each window, from the best source there is."""
+    window_s = columns.get("window_s")
+    if window_s is None:
+        step_s = np.diff(columns["t_s"]) if "t_s" in columns else np.empty(0)
+        typical_s = float(np.median(step_s)) if len(step_s) else _WINDOW_S
+        said_s = _said_window_s(path, meta)
+        window_s = np.full(len(columns["phase_deg"]), typical_s if said_s is None else said_s)
+    wrong = np.flatnonzero(window_s <= 0.0)
+    if len(wrong) and "window_s" in columns:
+        raise InputError(
+            f"window_s is {window_s[wrong[0]]:.12g}; a window takes time, mend or remove the row",
+            file=table.path,
+            line=table.line_of(int(wrong[0])),
+        )
+    return window_s
+
+
+def _said_window_s(path: Path, meta: dict[str, Any]) -> float | None:
+    """Return the window's duration by run.yaml, None where it does not say."""
+    encoder = meta.get("encoder") or {}
+    if not isinstance(encoder, dict):
+        raise InputError("encoder must have keys of its own", file=path / RUN_FILE)
+    samples, rate_hz = encoder.get("samples_per_average"), encoder.get("sample_rate_hz")
+    if samples is None or rate_hz is None:
+        return None
+    if not (_is_positive(samples) and _is_positive(rate_hz)):
+        raise InputError(
+            f"encoder: samples_per_average is {samples!r} and sample_rate_hz {rate_hz!r}; "
+            "both must be positive numbers",
+            file=path / RUN_FILE,
+        )
+    return float(samples / rate_hz)
+
+
+def _is_positive(value: object) -> bool:
+    """Return whether a value from run.yaml is a number above zero."""
+    return isinstance(value, int | float) and 0.0 < value < 1e12
+
+
+def _read_pairs(path: Path) -> Pairs | None:
+    """Return the pairs of pairs.csv, None where there are none."""
+    if not path.exists():
+        return None
+    table = read_table(
+        path, needed=PAIR_COLUMNS, numbers=PAIR_COLUMNS, whole_rows=True, may_be_empty=True
+    )
+    columns = _finite(table, PAIR_COLUMNS)
+    return Pairs(**columns) if len(columns["t_s"]) else None
