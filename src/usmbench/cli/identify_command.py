@@ -7,6 +7,8 @@ from pathlib import Path
 from usmbench.cli.json_output import write_json
 from usmbench.errors import InputError
 from usmbench.identify.fast import FastOptions, identify_fast
+from usmbench.identify.paper import PaperOptions, identify_paper
+from usmbench.identify.result import Identification
 from usmbench.model.model_file import write_model
 from usmbench.report.identification_table import identification_table
 from usmbench.runs.reader import read_run
@@ -22,8 +24,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """
     parser.add_argument("runs", nargs="+", metavar="RUN", type=Path, help="run folder or CSV")
     parser.add_argument("--out", required=True, type=Path, metavar="MODEL.yaml")
-    parser.add_argument("--method", choices=["fast"], default="fast")
-    parser.add_argument("--degree", type=int, default=18, help="degree of the curve")
+    parser.add_argument("--method", choices=["fast", "paper"], default="fast")
+    parser.add_argument("--degree", type=int, help="degree of the curve")
     parser.add_argument("--knots", metavar="a,b,…", help="knots in degrees, rising")
     parser.add_argument("--na", type=int, default=1, help="past speeds in the dynamics")
     parser.add_argument("--nb", type=int, help="past inputs in the dynamics")
@@ -43,9 +45,8 @@ def run(args: argparse.Namespace) -> int:
     InputError
         A run, an argument or the data will not do.
     """
-    options = _options(args)
-    records = [read_run(path) for path in args.runs]
-    found = identify_fast(records, options)
+    _check(args)
+    found = _identify(args)
     write_model(args.out, found.model)
     for warning in found.warnings:
         print(f"usmbench: warning: {warning}", file=sys.stderr)
@@ -57,13 +58,25 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _options(args: argparse.Namespace) -> FastOptions:
-    """Check what the command line asks for."""
+def _check(args: argparse.Namespace) -> None:
+    """Refuse orders and degrees that are none."""
     for name, lowest in (("degree", 1), ("na", 0), ("nb", 0)):
         value = getattr(args, name)
         if value is not None and value < lowest:
             raise InputError(f"--{name} {value} is too low; give {lowest} or more")
-    return FastOptions(args.degree, _knots(args.knots), args.na, args.nb)
+    if args.degree is not None and args.knots is not None:
+        raise InputError("--degree and --knots say the same twice; give one of them")
+
+
+def _identify(args: argparse.Namespace) -> Identification:
+    """Read the runs and identify by the method asked for."""
+    knots_deg = _knots(args.knots)
+    records = [read_run(path) for path in args.runs]
+    if args.method == "paper":
+        nb = 0 if args.nb is None else args.nb
+        return identify_paper(records, PaperOptions(args.degree, knots_deg, args.na, nb)).found
+    degree = 18 if args.degree is None else args.degree
+    return identify_fast(records, FastOptions(degree, knots_deg, args.na, args.nb))
 
 
 def _knots(text: str | None) -> tuple[float, ...] | None:

@@ -184,16 +184,8 @@ def _pairs_of(record: Record, warnings: list[str]) -> tuple[Array, Array, list[P
         warnings.append(
             f"{record.name}: {np.count_nonzero(~whole)} dwells without a settled window left out"
         )
-    frequency_hz = pairs.frequency_hz if record.frequency_hz is not None else None
-    torque_nm = pairs.torque_nm if record.torque_nm is not None else None
     rows = np.flatnonzero(whole)
-    keys = [
-        (
-            None if frequency_hz is None else float(frequency_hz[row]),
-            None if torque_nm is None else float(torque_nm[row]),
-        )
-        for row in rows
-    ]
+    keys = [(_known(pairs.frequency_hz[row]), _known(pairs.torque_nm[row])) for row in rows]
     return pairs.phase_deg[rows], pairs.speed_rad_s[rows], keys
 
 
@@ -207,9 +199,14 @@ def _conditions(record: Record) -> Array:
 
 def _point(record: Record, row: int) -> Point:
     """Operating point of a row."""
-    frequency_hz = None if record.frequency_hz is None else float(record.frequency_hz[row])
-    torque_nm = None if record.torque_nm is None else float(record.torque_nm[row])
+    columns = (record.frequency_hz, record.torque_nm)
+    frequency_hz, torque_nm = (None if c is None else float(c[row]) for c in columns)
     return frequency_hz, torque_nm
+
+
+def _known(value: np.float64) -> float | None:
+    """Return a pair's frequency or torque; NaN stands for one the run does not say."""
+    return None if np.isnan(value) else float(value)
 
 
 def _check_numbers(record: Record) -> None:

@@ -54,17 +54,19 @@ def build_design(data: Dataset, knots_deg: Sequence[Array]) -> tuple[Stretch, ..
     )
 
 
-def check_rows(data: Dataset, degree: int, na: int, nb: int) -> None:
-    """Refuse data with fewer rows, or fewer different phases, than there are parameters.
+def check_rows(data: Dataset, degree: int, na: int, nb: int, *, point: int) -> None:
+    """Refuse an operating point with fewer rows than there are parameters.
 
     Parameters
     ----------
     data
         The samples.
     degree
-        Degree of the curves.
+        Degree of the curve.
     na, nb
         Orders of the linear part.
+    point
+        Index of the operating point.
 
     Raises
     ------
@@ -72,14 +74,14 @@ def check_rows(data: Dataset, degree: int, na: int, nb: int) -> None:
         Too few, with the numbers.
     """
     wanted = degree + 1 + na + nb
-    for index, point in enumerate(data.points):
-        phase_deg = data.phase_deg(index)
-        if phase_deg.size < wanted:
-            raise InputError(
-                f"{', '.join(data.run_names)}: {phase_deg.size} rows{describe(point)} cannot carry "
-                f"{wanted} parameters (degree {degree}, n_a {na}, n_b {nb}); lower --degree or "
-                "measure more"
-            )
+    n = data.phase_deg(point).size
+    if n < wanted:
+        rows = "settled pairs" if data.window_s is None else "rows"
+        raise InputError(
+            f"{', '.join(data.run_names)}: {n} {rows}{describe(data.points[point])} cannot carry "
+            f"{wanted} parameters (degree {degree}, n_a {na}, n_b {nb}); lower --degree or "
+            "measure more"
+        )
 
 
 def _basis(phase_deg: Array, knots_deg: Array) -> Array:

@@ -61,7 +61,8 @@ def identify_fast(records: Sequence[Record], options: FastOptions) -> Identifica
     data = from_windows(records)
     nb = 2 if options.nb is None else options.nb
     degree = options.degree if options.knots_deg is None else len(options.knots_deg) - 1
-    check_rows(data, degree, options.na, nb)
+    for point in range(len(data.points)):
+        check_rows(data, degree, options.na, nb, point=point)
     knots_deg = _first_knots(data, options, degree)
     stretches = build_design(data, knots_deg)
     fit = _robust_fit(stretches, Dynamics(np.zeros(options.na), np.zeros(nb), 0))
