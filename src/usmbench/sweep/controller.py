@@ -1,0 +1,293 @@
+"""Runs a schedule: one loop that reads windows, watches them and commands the drive."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import ceil
+from typing import Protocol
+
+import numpy as np
+
+from usmbench.errors import BenchError
+from usmbench.instruments.encoder import EncoderGeometry, EncoderState, WindowMotion, decode
+from usmbench.instruments.samples import SampleBlock, SampleSource
+from usmbench.settings.bench import BenchSettings, InterlockSettings
+from usmbench.sweep.drive import CommandedDrive, DriveControl, Setting
+from usmbench.sweep.interlocks import STILL_COUNTS, InterlockState, Seen, must_move, watch
+from usmbench.sweep.interrupts import Interrupts, deferred_interrupts
+from usmbench.sweep.operator import Operator
+from usmbench.sweep.rows import PairRow, Sink, WindowRow
+from usmbench.sweep.schedule import Dwell
+from usmbench.sweep.settling import Settling
+
+HEARTBEAT_S = 0.25
+# Windows without drive before the first command: they show that nothing moves.
+WINDOWS_BEFORE = 5
+
+
+class Observer(Protocol):
+    """Is told of every window; the progress line is one."""
+
+    def window(self, row: WindowRow, windows_left: int) -> None:
+        """Take one window and the number of windows that the plan still has."""
+
+
+@dataclass(frozen=True, slots=True)
+class Instruments:
+    """What a sweep drives and reads.
+
+    Parameters
+    ----------
+    drive
+        The signal generator, its outputs off.
+    source
+        The encoder's samples, not yet started.
+    operator
+        Who sets the load.
+    """
+
+    drive: DriveControl
+    source: SampleSource
+    operator: Operator
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """Where the rows begin; not at zero for a run that is taken up again.
+
+    Parameters
+    ----------
+    t_s
+        End of the last window there is.
+    angle_rad
+        Shaft angle there.
+    """
+
+    t_s: float = 0.0
+    angle_rad: float = 0.0
+
+
+def windows_after(interlocks: InterlockSettings, window_s: float) -> int:
+    """Return the number of windows after the last dwell that show that the motor has stopped.
+
+    Parameters
+    ----------
+    interlocks
+        The limits.
+    window_s
+        Duration of one window.
+    """
+    return ceil(interlocks.motion_off_after_s / window_s) + 3
+
+
+class SweepController:
+    """Drives dwells, one after another, and hands every window to a sink.
+
+    Parameters
+    ----------
+    instruments
+        What is driven and read.
+    bench
+        What the bench file says.
+    interlocks
+        When the drive must go off: the bench's limits, tightened by the plan's.
+    sink
+        Where windows and pairs go.
+    observer
+        Is told of every window, or None.
+    ask_operator
+        Whether the operator is asked to set each load.
+    start
+        Where the rows begin.
+    """
+
+    def __init__(
+        self,
+        instruments: Instruments,
+        bench: BenchSettings,
+        interlocks: InterlockSettings,
+        sink: Sink,
+        *,
+        observer: Observer | None = None,
+        ask_operator: bool = False,
+        start: Start = Start(),
+    ):
+        source = instruments.source
+        self._instruments = instruments
+        self._interlock_settings = interlocks
+        self._sink = sink
+        self._observer = observer
+        self._ask_operator = ask_operator
+        self._start = start
+        self._edge_timed = bench.encoder.speed == "edge_timed"
+        self._geometry = EncoderGeometry(
+            bench.counts_per_rev, source.counter_bits, bench.encoder.sign, source.sample_rate_hz
+        )
+        self._window_s = source.samples_per_block / source.sample_rate_hz
+        self._heartbeat_samples = int(HEARTBEAT_S * source.sample_rate_hz)
+        self._commands = CommandedDrive(instruments.drive, source)
+        self._encoder = EncoderState()
+        self._interlocks = InterlockState()
+        self._torque_nm: float | None = None
+        self._hands_off = True
+        self._windows_left = 0
+        self._interrupts = Interrupts()
+
+    def run(self, dwells: Iterable[Dwell], n_windows: int) -> None:
+        """Drive the dwells; however this ends, the drive is switched off first.
+
+        Parameters
+        ----------
+        dwells
+            The schedule.
+        n_windows
+            Windows that are planned in all, for the time remaining.
+
+        Raises
+        ------
+        KeyboardInterrupt
+            The user stopped the run.
+        usmbench.errors.BenchError
+            The board, the card, the disk or an interlock stopped it.
+        """
+        self._windows_left = n_windows
+        with deferred_interrupts() as self._interrupts:
+            try:
+                self._instruments.source.start()
+                self._rest(WINDOWS_BEFORE)
+                for dwell in dwells:
+                    self._hold(dwell)
+                self._commands.rest()
+                self._rest(windows_after(self._interlock_settings, self._window_s))
+            except BaseException as error:
+                self._off_after(error)
+                raise
+            self._commands.off()
+
+    def _off_after(self, error: BaseException) -> None:
+        """Switch the drive off; what stopped the run stays the error that is seen."""
+        try:
+            self._commands.off()
+        except BenchError as failure:
+            # The generator tries again, over a port opened anew, as its own context ends.
+            error.add_note(f"switching the outputs off failed: {failure}")
+
+    def _rest(self, n_windows: int) -> None:
+        """Read windows without drive; motion trips the interlock."""
+        for _ in range(n_windows):
+            self._window(None)
+
+    def _hold(self, dwell: Dwell) -> None:
+        """Drive one dwell until it has its windows, and keep its pair."""
+        if dwell.torque_nm != self._torque_nm:
+            self._set_load(dwell.torque_nm)
+        setting = Setting(dwell.phase_deg, dwell.frequency_hz, dwell.torque_nm, dwell.sweep, 1)
+        self._commands.apply(setting)
+        settling = Settling(dwell.settle)
+        t_s = 0.0
+        left_after = self._windows_left - dwell.windows
+        while not _is_done(settling, dwell):
+            t_s = self._window(settling)
+            self._windows_left = left_after + max(dwell.windows - settling.n_windows, 0)
+        self._windows_left = left_after
+        if dwell.settle is not None:
+            self._keep_pair(dwell, settling, t_s)
+
+    def _set_load(self, torque_nm: float) -> None:
+        """Have the load set, with the drive off; the windows go on meanwhile."""
+        operator = self._instruments.operator
+        if self._ask_operator and self._torque_nm is not None:
+            self._commands.rest()
+        operator.set_load(torque_nm, ask=self._ask_operator)
+        self._hands_off = False
+        while not operator.load_is_set():
+            self._window(None)
+        self._hands_off = True
+        self._torque_nm = torque_nm
+
+    def _keep_pair(self, dwell: Dwell, settling: Settling, t_s: float) -> None:
+        mean_rad_s, deviation_rad_s, n_windows = settling.pair()
+        pair = PairRow(
+            dwell.phase_deg,
+            dwell.frequency_hz,
+            dwell.torque_nm,
+            mean_rad_s,
+            deviation_rad_s,
+            n_windows,
+            dwell.direction,
+            t_s,
+            dwell.number,
+            int(settling.n_settled > 0),
+        )
+        self._sink.pair(pair)
+
+    def _window(self, settling: Settling | None) -> float:
+        """Read, keep and watch one window; return its end."""
+        self._interrupts.check()
+        block = self._instruments.source.next_block()
+        self._encoder, motion = decode(self._encoder, block, self._geometry)
+        end_sample = block.first_sample + len(block.counts)
+        setting = self._commands.in_force(end_sample)
+        row = self._row(block, motion, setting, end_sample, settling)
+        self._sink.raw(block)
+        self._sink.window(row)
+        self._interlocks = watch(
+            self._interlocks, self._seen(block, motion, setting), self._interlock_settings
+        )
+        self._commands.keep_alive(end_sample, self._heartbeat_samples)
+        if self._observer is not None:
+            self._observer.window(row, self._windows_left)
+        return row.t_s
+
+    def _row(
+        self,
+        block: SampleBlock,
+        motion: WindowMotion,
+        setting: Setting,
+        end_sample: int,
+        settling: Settling | None,
+    ) -> WindowRow:
+        speed_rad_s = motion.edge_timed_rad_s if self._edge_timed else motion.average_rad_s
+        # Windows that were on their way while the command was sent belong to no dwell.
+        counts = settling is not None and end_sample > self._commands.complete_at
+        return WindowRow(
+            self._start.t_s + end_sample / self._geometry.sample_rate_hz,
+            setting.phase_deg,
+            speed_rad_s,
+            setting.frequency_hz,
+            setting.torque_nm,
+            self._start.angle_rad + motion.angle_rad,
+            motion.window_s,
+            setting.sweep,
+            settling.add(speed_rad_s) if settling is not None and counts else 0,
+            motion.average_rad_s,
+            setting.drive_on,
+            block.temperature_c,
+        )
+
+    def _seen(self, block: SampleBlock, motion: WindowMotion, setting: Setting) -> Seen:
+        edges = 0
+        if abs(motion.counts) <= STILL_COUNTS and must_move(
+            setting.phase_deg, self._interlock_settings
+        ):
+            edges = int(np.count_nonzero(np.diff(block.counts)))
+        return Seen(
+            setting.phase_deg,
+            setting.frequency_hz,
+            bool(setting.drive_on),
+            motion.average_rad_s,
+            motion.counts,
+            edges,
+            self._window_s,
+            block.temperature_c,
+            motion.index_error_counts,
+            self._hands_off,
+        )
+
+
+def _is_done(settling: Settling, dwell: Dwell) -> bool:
+    """Return whether a dwell has what it needs, or has run out of windows."""
+    if settling.n_windows < dwell.windows:
+        return False
+    if dwell.settle is None or settling.n_windows >= dwell.extend_to_windows:
+        return True
+    return settling.n_settled >= max(1, dwell.settle.over_windows)

@@ -1,0 +1,208 @@
+"""When the drive must go off: pure checks, one window after another."""
+
+from dataclasses import dataclass
+from math import inf
+
+from usmbench.errors import InterlockError, LostCountsError
+from usmbench.settings.bench import InterlockSettings
+
+# One window may hold a false count; two in a row are motion.
+WINDOWS_TO_TRIP = 2
+# A dead encoder channel lets an X4 counter toggle by one; a moving motor passes this at once.
+STILL_COUNTS = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """What one window showed.
+
+    Parameters
+    ----------
+    phase_deg, frequency_hz
+        The drive in force.
+    drive_on
+        Whether the outputs are on.
+    speed_rad_s
+        Speed from the counts alone.
+    counts
+        Counts of the window.
+    edges
+        Changes of the counter within the window, in either direction.
+    window_s
+        Duration of the window.
+    temperature_c
+        Temperature, or None without a sensor.
+    index_error_counts
+        Counts by which the index pulse was off, or None where none passed.
+    hands_off
+        Whether nobody may be turning the shaft by hand just now.
+    """
+
+    phase_deg: float
+    frequency_hz: float
+    drive_on: bool
+    speed_rad_s: float
+    counts: int
+    edges: int
+    window_s: float
+    temperature_c: float | None = None
+    index_error_counts: int | None = None
+    hands_off: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class InterlockState:
+    """What the windows before have shown; a new one starts a run.
+
+    Parameters
+    ----------
+    fast_windows
+        Windows in a row above the over-speed limit.
+    still_s
+        Time without motion though driven hard.
+    still_counts
+        Counts in that time.
+    still_edges
+        Changes of the counter in that time.
+    driven_s
+        Time since the drive went on.
+    off_s
+        Time since the drive went off.
+    moving_off_windows
+        Windows in a row with motion though the drive is off.
+    """
+
+    fast_windows: int = 0
+    still_s: float = 0.0
+    still_counts: int = 0
+    still_edges: int = 0
+    driven_s: float = 0.0
+    off_s: float = inf
+    moving_off_windows: int = 0
+
+
+def must_move(phase_deg: float, settings: InterlockSettings) -> bool:
+    """Return whether the motor has to move at a phase, if it is driven.
+
+    The travelling part of the wave goes with sin φ: 180° is as still as 0°.
+
+    Parameters
+    ----------
+    phase_deg
+        Phase shift.
+    settings
+        The limits.
+    """
+    distance_deg = min(abs(phase_deg), 180.0 - abs(phase_deg))
+    return distance_deg >= settings.no_motion_phase_deg
+
+
+def watch(state: InterlockState, seen: Seen, settings: InterlockSettings) -> InterlockState:
+    """Hold one window against every interlock.
+
+    Parameters
+    ----------
+    state
+        What the windows before left.
+    seen
+        The window.
+    settings
+        The limits.
+
+    Returns
+    -------
+    InterlockState
+        To be handed in with the next window.
+
+    Raises
+    ------
+    usmbench.errors.InterlockError
+        An interlock tripped: the drive must go off.
+    usmbench.errors.LostCountsError
+        The index pulse shows that counts were lost.
+    """
+    _check_temperature(seen, settings)
+    _check_index(seen, settings)
+    fast_windows = _fast_windows(state, seen, settings)
+    if not seen.drive_on:
+        off_s = state.off_s + seen.window_s
+        moving = _moving_off_windows(state, seen, settings)
+        return InterlockState(fast_windows, off_s=off_s, moving_off_windows=moving)
+    driven_s = state.driven_s + seen.window_s
+    if driven_s > settings.drive_time_max_s:
+        raise InterlockError(
+            f"driven for {driven_s:.0f} s without a break (limit drive_time_max_s "
+            f"{settings.drive_time_max_s:g} s); let the motor cool and take the plan up again",
+            interlock="drive_time_max_s",
+        )
+    still_counts = state.still_counts + seen.counts
+    if not must_move(seen.phase_deg, settings) or abs(still_counts) > STILL_COUNTS:
+        return InterlockState(fast_windows, driven_s=driven_s, off_s=0.0)
+    still_s, still_edges = state.still_s + seen.window_s, state.still_edges + seen.edges
+    if still_s >= settings.no_motion_after_s:
+        raise _no_motion(still_s, still_edges, seen, settings)
+    return InterlockState(fast_windows, still_s, still_counts, still_edges, driven_s, 0.0)
+
+
+def _fast_windows(state: InterlockState, seen: Seen, settings: InterlockSettings) -> int:
+    if abs(seen.speed_rad_s) <= settings.overspeed_rad_s:
+        return 0
+    if state.fast_windows + 1 >= WINDOWS_TO_TRIP:
+        raise InterlockError(
+            f"over-speed: {seen.speed_rad_s:.2f} rad/s at φ = {seen.phase_deg:g}° and "
+            f"{seen.frequency_hz:g} Hz (limit overspeed_rad_s {settings.overspeed_rad_s:g}); look "
+            "at the load, the drive voltage and the encoder's lines in the bench file",
+            interlock="overspeed_rad_s",
+        )
+    return state.fast_windows + 1
+
+
+def _moving_off_windows(state: InterlockState, seen: Seen, settings: InterlockSettings) -> int:
+    still = abs(seen.speed_rad_s) <= settings.motion_off_rad_s
+    if still or not seen.hands_off or state.off_s < settings.motion_off_after_s:
+        return 0
+    if state.moving_off_windows + 1 >= WINDOWS_TO_TRIP:
+        raise InterlockError(
+            f"motion though the drive is off: {seen.speed_rad_s:.2f} rad/s (limit "
+            f"motion_off_rad_s {settings.motion_off_rad_s:g}); cut the amplifier's supply, then "
+            "look at its inputs and at what else may turn the shaft",
+            interlock="motion_off_rad_s",
+        )
+    return state.moving_off_windows + 1
+
+
+def _no_motion(
+    still_s: float, edges: int, seen: Seen, settings: InterlockSettings
+) -> InterlockError:
+    driven = f"driven at φ = {seen.phase_deg:g}° and {seen.frequency_hz:g} Hz for {still_s:.2f} s"
+    limit = f"(limit no_motion_after_s {settings.no_motion_after_s:g} s)"
+    if edges > STILL_COUNTS:
+        message = (
+            f"no motion: {driven} {limit}, the counter changed {edges} times but went nowhere: "
+            "one encoder channel is dead; look at the wires of channels A and B"
+        )
+    else:
+        message = (
+            f"no motion: {driven} {limit} without encoder counts; look at the coupling between "
+            "motor and encoder (slipped?), the encoder's cable and the amplifier's supply"
+        )
+    return InterlockError(message, interlock="no_motion_after_s")
+
+
+def _check_temperature(seen: Seen, settings: InterlockSettings) -> None:
+    if seen.temperature_c is not None and seen.temperature_c > settings.temperature_max_c:
+        raise InterlockError(
+            f"too hot: {seen.temperature_c:.1f} °C (limit temperature_max_c "
+            f"{settings.temperature_max_c:g}); let the motor cool and take the plan up again",
+            interlock="temperature_max_c",
+        )
+
+
+def _check_index(seen: Seen, settings: InterlockSettings) -> None:
+    limit, error = settings.index_error_max_counts, seen.index_error_counts
+    if limit is not None and error is not None and abs(error) > limit:
+        raise LostCountsError(
+            f"the index pulse came {error:+d} counts off at {seen.speed_rad_s:.2f} rad/s (limit "
+            f"index_error_max_counts {limit}): counts are lost; look at the encoder's cable and "
+            "its lines in the bench file, or set the limit to null to record all the same"
+        )
