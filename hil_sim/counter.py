@@ -6,6 +6,8 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from hil_sim.faults import FaultKind, FaultSchedule
+
 Family = Literal["m_x", "e_series"]
 
 COUNTER_BITS: Final[dict[Family, int]] = {"m_x": 32, "e_series": 24}
@@ -45,6 +47,23 @@ class Counter:
         """
         counts = position if self.family == "m_x" else position >> 2
         return (counts + self.initial) & ((1 << self.bits) - 1)
+
+
+def card_counter(family: Family, faults: FaultSchedule, bits: int | None = None) -> Counter:
+    """Return the counter of a card, preset where the schedule wants it to wrap.
+
+    Parameters
+    ----------
+    family
+        Family of the card.
+    faults
+        The run's faults.
+    bits
+        Width, where it is not that of the family.
+    """
+    width = COUNTER_BITS[family] if bits is None else bits
+    presets = faults.of(FaultKind.COUNTER_WRAP)
+    return Counter(family, width, (1 << width) - presets[0].counts if presets else 0)
 
 
 def sensor_volts(temperature_c: float) -> float:

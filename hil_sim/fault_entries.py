@@ -1,6 +1,5 @@
 """Faults from the command line, from a file and from chance."""
 
-import re
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -27,12 +26,12 @@ def parse_fault(text: str) -> Fault:
     """
     head, *options = text.split(",")
     kind, at, time_s = head.partition("@")
-    entry: dict[str, Any] = {"kind": kind, "time_s": yaml.safe_load(time_s) if at else None}
+    entry: dict[str, Any] = {"kind": kind, "time_s": _value(time_s) if at else None}
     for option in options:
         name, equals, value = option.partition("=")
-        if not equals or not re.fullmatch(r"[\w.+-]+", value):
+        if not equals:
             raise InputError(f"fault {text!r}: {option!r} is not name=value")
-        entry[name] = yaml.safe_load(value)
+        entry[name] = _value(value)
     return _fault(entry, f"fault {text!r}")
 
 
@@ -87,6 +86,16 @@ def random_fault(rng: np.random.Generator, latest_s: float) -> Fault:
     instant_s = 0.0 if kind is FaultKind.COUNTER_WRAP else float(rng.uniform(0.0, latest_s))
     options = OPTIONS.get(kind, frozenset())
     return Fault(kind, instant_s, **{name: draws[name] for name in draws if name in options})
+
+
+def _value(text: str) -> int | float | str:
+    """Read a number as a number and leave anything else to the checks."""
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text
 
 
 def _fault(entry: Any, where: str) -> Fault:
