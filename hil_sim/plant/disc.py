@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hil_sim.plant.parameters import DiscParameters
-from hil_sim.plant.rotor import Piece, RotorState
+from hil_sim.plant.rotor import Piece, RotorState, is_rest
 
 Channel = Literal["a", "b"]
 
@@ -28,7 +28,7 @@ class _StuckChannel:
 
     def code(self, true: int) -> int:
         """Position in the cycle 00, 10, 11, 01 of the levels that the decoder sees."""
-        live = int(_level(true, self.live))
+        live = _level(true, self.live)
         a, b = (self.stuck_level, live) if self.live == "b" else (live, self.stuck_level)
         return (a ^ b) + 2 * b
 
@@ -85,13 +85,13 @@ class Disc:
         if self._stuck is not None:
             # The mended channel jumps to its level, which the decoder counts.
             jump = (true - self._stuck.code(true) + 1) % 4 - 1
-            shown = self._stuck.base + self._stuck.sign * int(_level(true, self._stuck.live))
+            shown = self._stuck.base + self._stuck.sign * _level(true, self._stuck.live)
             self._shift = shown + jump - true
             self._stuck = None
         if channel is not None:
             live: Channel = "b" if channel == "a" else "a"
-            stuck = _StuckChannel(live, int(_level(true, channel)), 0)
-            base = true + self._shift - stuck.sign * int(_level(true, live))
+            stuck = _StuckChannel(live, _level(true, channel), 0)
+            base = true + self._shift - stuck.sign * _level(true, live)
             self._stuck = _StuckChannel(live, stuck.stuck_level, base)
 
     def read(
@@ -115,8 +115,7 @@ class Disc:
         pulses = self._index_pulses(true)
         if self._stuck is None:
             return (true if self._shift == 0 else true + self._shift), pulses
-        level = _level(true, self._stuck.live)
-        return self._stuck.base + self._stuck.sign * level, pulses
+        return self._stuck.base + self._stuck.sign * _level(true, self._stuck.live), pulses
 
     def _place(self, shaft: RotorState) -> tuple[int, float]:
         """Whole turns and angle of the disc."""
@@ -135,16 +134,18 @@ class Disc:
     ) -> NDArray[np.int64]:
         """Count at each time with both channels working."""
         last = path[-1]
-        if self._standing is not None or (last.start_s <= times_s[0] and last[3:] == (0, 0, 0)):
-            shaft = RotorState(0.0, int(last.revolutions), last.angle_rad)
+        if self._standing is not None or (last[0] <= times_s[0] and is_rest(last)):
+            shaft = RotorState(0.0, last[1], last[2])
             return np.full(times_s.size, self._true_count(shaft), dtype=np.int64)
         pieces = np.array(path).T
         pieces[1] = (pieces[1] - self._slip[0]) * self._counts_per_rev
         pieces[2] = (pieces[2] - self._slip[1]) * self._counts_per_rad + self._offset
         pieces[3:] *= self._counts_per_rad
-        ends = np.append(np.searchsorted(times_s, pieces[0, 1:]), times_s.size)
-        number = np.repeat(np.arange(len(path)), np.diff(ends, prepend=0))
-        start_s, turns, c_0, c_1, c_2, c_3 = pieces.take(number, axis=1)
+        ends = times_s.searchsorted(pieces[0])
+        ends[:-1] = ends[1:]
+        ends[-1] = times_s.size
+        ends[1:] -= ends[:-1].copy()
+        start_s, turns, c_0, c_1, c_2, c_3 = np.repeat(pieces, ends, axis=1)
         since_s = times_s - start_s
         # Horner's scheme element by element: the same bits however the samples are split.
         c_3 *= since_s
@@ -155,7 +156,8 @@ class Disc:
         c_3 += c_0
         np.floor(c_3, out=c_3)
         c_3 += turns
-        return c_3.astype(np.int64)
+        counts: NDArray[np.int64] = c_3.astype(np.int64)
+        return counts
 
     def _index_pulses(self, true: NDArray[np.int64]) -> NDArray[np.int64]:
         """Crossings of the index line, in either direction, up to each sample."""
@@ -169,6 +171,9 @@ class Disc:
         return pulses
 
 
-def _level(count: int | NDArray[np.int64], channel: Channel) -> int | NDArray[np.int64]:
+_Count = TypeVar("_Count", int, NDArray[np.int64])
+
+
+def _level(count: _Count, channel: Channel) -> _Count:
     """Level of a channel at a count: A leads B by a quarter of a line."""
     return ((count + 1 if channel == "a" else count) >> 1) & 1

@@ -82,7 +82,7 @@ class MotorPlant:
 
     @property
     def speed_rad_s(self) -> float:
-        """Speed of the shaft at the end of what has been integrated: for comparison, not measured."""
+        """Speed of the shaft where the integration stands: for comparison, no sensor shows it."""
         return self._rotor.state.speed_rad_s
 
     def drive(self, time_s: float, drive: Drive) -> None:
@@ -183,7 +183,9 @@ class MotorPlant:
                     continue
             parts.append(self._read(times_s[first:end]))
             first = end
-        position, pulses = parts[0] if len(parts) == 1 else map(np.concatenate, zip(*parts))
+        position, pulses = (
+            parts[0] if len(parts) == 1 else map(np.concatenate, zip(*parts, strict=True))
+        )
         return Samples(position, pulses, self._thermal.temperature_c)
 
     def _at(self, time_s: float, command: Callable[[], None]) -> None:
@@ -194,7 +196,7 @@ class MotorPlant:
         self._commands.append((self._latest_s, command))
 
     def _clock(self, n_samples: int, sample_rate_hz: float) -> NDArray[np.float64]:
-        """Times of the next samples, from whole numbers so that they never drift."""
+        """Return the times of the next samples, from whole numbers so that they never drift."""
         if sample_rate_hz != self._clock_rate_hz:
             self._clock_start_s += self._clock_samples / self._clock_rate_hz
             self._clock_rate_hz, self._clock_samples = sample_rate_hz, 0
@@ -224,14 +226,14 @@ class MotorPlant:
         path = self._rotor.path
         counts = self._disc.read(times_s, path)
         gone = len(path) - 1
-        while path[gone].start_s > until_s:
+        while path[gone][0] > until_s:
             gone -= 1
         del path[:gone]
         self._mark = self._mark._replace(pieces=max(0, self._mark.pieces - gone))
         return counts
 
     def _step(self, until_s: float, stop_s: float) -> None:
-        """Integrate to the end of the tick, or to `stop_s`, or rest up to the tick of `until_s`."""
+        """Integrate some ticks towards `until_s`, the last one only as far as `stop_s`."""
         if self._tick >= self._warm_tick:
             self._warm()
         block, number = divmod(self._tick, BLOCK)
@@ -239,28 +241,34 @@ class MotorPlant:
             self._noise_block, self._noise_nm = block, self._noise.block(block)
             self._noise_bound_nm = max(map(abs, self._noise_nm))
         end_tick = self._tick + 1
-        if self._stator.settled and self._rotor.stays(self._grip, self._noise_bound_nm):
+        if self._stator.settled:
             whole = int(until_s * TICKS_PER_S - _TICK_ROUNDING)
             end_tick = max(end_tick, min(whole, self._warm_tick, (block + 1) * BLOCK))
         end_s = end_tick / TICKS_PER_S
         if end_s > until_s:
             self._mark = self._state()
-        self._move(min(end_s, stop_s), self._noise_nm[number])
+        self._move(end_tick, min(end_s, stop_s), number)
         if end_s <= stop_s:
             self._tick = end_tick
 
-    def _move(self, end_s: float, noise_nm: float) -> None:
-        """Move stator and rotor on to `end_s`."""
-        duration_s = end_s - self._now_s
-        changing = not self._stator.settled
-        if changing:
-            vibration = self._stator.advance(duration_s)
+    def _move(self, end_tick: int, end_s: float, number: int) -> None:
+        """Move stator and rotor on to `end_s`; noise `number` is the first tick's."""
+        if not self._stator.settled:
+            vibration = self._stator.advance(end_s - self._now_s)
             self._grip = self._contact.grip(vibration)
             self._thermal.set_loss(self._now_s, self._thermal.loss_w(self._drive, vibration))
-        self._rotor.advance(self._now_s, duration_s, self._grip, noise_nm)
+            self._rotor.advance(self._now_s, [(end_s, self._noise_nm[number])], self._grip)
+            self._now_s = end_s
+            if self._stator.settled:
+                self._regrip()
+            return
+        if self._rotor.stays(self._grip, self._noise_bound_nm):
+            ends_s = [end_s]
+        else:
+            ends_s = [tick / TICKS_PER_S for tick in range(self._tick + 1, end_tick)] + [end_s]
+        noise_nm = self._noise_nm[number : number + len(ends_s)]
+        self._rotor.advance(self._now_s, zip(ends_s, noise_nm, strict=True), self._grip)
         self._now_s = end_s
-        if changing and self._stator.settled:
-            self._regrip()
 
     def _regrip(self) -> None:
         """Take over what the stator does now, after a command or a transient's end."""

@@ -10,7 +10,7 @@ BLOCK = 2048
 
 
 class TorqueNoise:
-    """First-order coloured Gaussian noise whose value at any step does not depend on the past calls.
+    """First-order coloured Gaussian noise, the same at a step whatever was asked before.
 
     Parameters
     ----------

@@ -7,6 +7,7 @@ the rotor stays unless the torque breaks it away.
 """
 
 import math
+from collections.abc import Iterable
 from typing import NamedTuple
 
 from hil_sim.plant.contact import Grip, traction
@@ -17,27 +18,10 @@ _TURN_RAD = 2.0 * math.pi
 _SMALL = 1e-3
 
 
-class Piece(NamedTuple):
-    """A stretch of the shaft's path: a cubic in the time since its start.
-
-    Parameters
-    ----------
-    start_s
-        Simulated time of its start.
-    revolutions
-        Whole turns at its start.
-    angle_rad
-        Angle at its start beyond the whole turns, 0…2π.
-    speed_rad_s, second_rad_s2, third_rad_s3
-        Coefficients of the first, second and third power.
-    """
-
-    start_s: float
-    revolutions: float
-    angle_rad: float
-    speed_rad_s: float
-    second_rad_s2: float
-    third_rad_s3: float
+Piece = tuple[float, int, float, float, float, float]
+"""A stretch of the shaft's path, a cubic in the time since its start: start in simulated s, whole
+turns and angle (rad, 0…2π) there, then speed (rad/s) and the coefficients of the second and third
+power (rad/s², rad/s³). A plain tuple, since twenty are made in every window."""
 
 
 class RotorState(NamedTuple):
@@ -104,83 +88,78 @@ class Rotor:
         breakaway_nm = self._friction_nm(grip) * self._parameters.breakaway_ratio
         return abs(pull_nm) + disturbance_nm <= breakaway_nm
 
-    def rest(self, start_s: float) -> None:
-        """Stand still from `start_s` on; consecutive rests make one piece.
+    def advance(self, start_s: float, steps: Iterable[tuple[float, float]], grip: Grip) -> None:
+        """Move on through steps in which the grip is constant, adding to the path.
 
         Parameters
         ----------
         start_s
-            Simulated time.
-        """
-        if not (self.path and self.path[-1][3:] == (0.0, 0.0, 0.0)):
-            _, revolutions, angle_rad = self.state
-            self.path.append(Piece(start_s, revolutions, angle_rad, 0.0, 0.0, 0.0))
-
-    def advance(self, start_s: float, duration_s: float, grip: Grip, noise_nm: float) -> None:
-        """Move on by a step in which grip and noise are constant, adding to the path.
-
-        Parameters
-        ----------
-        start_s
-            Simulated time of the step's start.
-        duration_s
-            Length of the step.
+            Simulated time of the first step's start.
+        steps
+            End in s and torque noise in N·m of each step.
         grip
             Of the contact.
-        noise_nm
-            Torque noise.
         """
-        push_nm = noise_nm + self._parameters.weight_nm
+        weight_nm, inertia = self._parameters.weight_nm, self._parameters.inertia_kg_m2
         friction_nm = self._friction_nm(grip)
-        while duration_s > 0.0:
-            speed_rad_s = self.state.speed_rad_s
-            torque_nm, slope = traction(grip, speed_rad_s)
-            torque_nm += push_nm
-            if speed_rad_s != 0.0:
-                forward = speed_rad_s > 0.0
-            elif abs(torque_nm) > friction_nm * self._parameters.breakaway_ratio:
-                forward = torque_nm > 0.0
-            else:
-                self.rest(start_s)
-                return
-            torque_nm += -friction_nm if forward else friction_nm
-            taken_s = self._slide(start_s, duration_s, torque_nm, slope, forward)
-            start_s += taken_s
-            duration_s -= taken_s
+        breakaway_nm = friction_nm * self._parameters.breakaway_ratio
+        speed, revolutions, angle = self.state
+        for end_s, noise_nm in steps:
+            while start_s < end_s:
+                torque_nm, slope = traction(grip, speed)
+                torque_nm += weight_nm + noise_nm
+                if speed == 0.0 and abs(torque_nm) <= breakaway_nm:
+                    self._rest(start_s, revolutions, angle)
+                    start_s = end_s
+                    break
+                torque_nm -= math.copysign(friction_nm, speed or torque_nm)
+                start, duration_s = start_s, end_s - start_s
+                start_s = end_s
+                gained, moved = _relax(torque_nm / inertia, slope / inertia, duration_s)
+                if speed * (speed + gained) < 0.0:
+                    duration_s = _time_to_rest(speed, torque_nm / inertia, slope / inertia)
+                    start_s = min(start + duration_s, end_s)
+                    _, moved = _relax(torque_nm / inertia, slope / inertia, duration_s)
+                    gained = -speed
+                if duration_s > 0.0:
+                    lag = moved / duration_s
+                    second = (3.0 * lag - gained) / duration_s
+                    third = (gained - 2.0 * lag) / (duration_s * duration_s)
+                    self.path.append((start, revolutions, angle, speed, second, third))
+                angle += speed * duration_s + moved
+                speed += gained
+                if not 0.0 <= angle < _TURN_RAD:
+                    turns = math.floor(angle / _TURN_RAD)
+                    revolutions += turns
+                    angle -= turns * _TURN_RAD
+        self.state = RotorState(speed, revolutions, angle)
+
+    def _rest(self, start_s: float, revolutions: int, angle_rad: float) -> None:
+        """Stand still from `start_s` on; consecutive rests make one piece."""
+        if not (self.path and is_rest(self.path[-1])):
+            self.path.append((start_s, revolutions, angle_rad, 0.0, 0.0, 0.0))
 
     def _friction_nm(self, grip: Grip) -> float:
         return grip.clamp_nm + self._parameters.bearing_friction_nm + self.brake_nm
 
-    def _slide(
-        self, start_s: float, duration_s: float, torque_nm: float, slope: float, forward: bool
-    ) -> float:
-        """Slide one way for the step, or until the speed is zero; return the time it took."""
-        inertia = self._parameters.inertia_kg_m2
-        speed_0, revolutions, angle_rad = self.state
-        acceleration = torque_nm / inertia
-        rate = slope / inertia
-        gained, moved = _exponential_step(acceleration, rate, duration_s)
-        speed_1 = speed_0 + gained
-        if (speed_1 < 0.0) if forward else (speed_1 > 0.0):
-            duration_s = min(duration_s, _time_to_rest(speed_0, acceleration, rate))
-            _, moved = _exponential_step(acceleration, rate, duration_s)
-            speed_1 = 0.0
-        turned = speed_0 * duration_s + moved
-        if duration_s > 0.0:
-            mean = turned / duration_s
-            second = (3.0 * mean - 2.0 * speed_0 - speed_1) / duration_s
-            third = (speed_0 + speed_1 - 2.0 * mean) / (duration_s * duration_s)
-            self.path.append(Piece(start_s, revolutions, angle_rad, speed_0, second, third))
-        angle_rad += turned
-        if not 0.0 <= angle_rad < _TURN_RAD:
-            turns = math.floor(angle_rad / _TURN_RAD)
-            revolutions += turns
-            angle_rad -= turns * _TURN_RAD
-        self.state = RotorState(speed_1, revolutions, angle_rad)
-        return duration_s
+
+def is_rest(piece: Piece) -> bool:
+    """Return whether the shaft stands still in a piece.
+
+    Parameters
+    ----------
+    piece
+        Of the path.
+
+    Returns
+    -------
+    bool
+        True where nothing moves.
+    """
+    return piece[3] == 0.0 and piece[4] == 0.0 and piece[5] == 0.0
 
 
-def _exponential_step(acceleration: float, rate: float, duration_s: float) -> tuple[float, float]:
+def _relax(acceleration: float, rate: float, duration_s: float) -> tuple[float, float]:
     """Speed gained, and angle moved by it, where the acceleration decays at a (negative) rate."""
     x = rate * duration_s
     if x > -_SMALL:
