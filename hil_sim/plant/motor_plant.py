@@ -241,31 +241,35 @@ class MotorPlant:
             self._noise_block, self._noise_nm = block, self._noise.block(block)
             self._noise_bound_nm = max(map(abs, self._noise_nm))
         end_tick = self._tick + 1
-        if self._stator.settled:
+        gliding = self._stator.settled
+        if gliding:
             whole = int(until_s * TICKS_PER_S - _TICK_ROUNDING)
             end_tick = max(end_tick, min(whole, self._warm_tick, (block + 1) * BLOCK))
         end_s = end_tick / TICKS_PER_S
         if end_s > until_s:
             self._mark = self._state()
-        self._move(end_tick, min(end_s, stop_s), number)
+        if gliding:
+            self._glide(end_tick, min(end_s, stop_s), number)
+        else:
+            self._swing(min(end_s, stop_s), self._noise_nm[number])
         if end_s <= stop_s:
             self._tick = end_tick
 
-    def _move(self, end_tick: int, end_s: float, number: int) -> None:
-        """Move stator and rotor on to `end_s`; noise `number` is the first tick's."""
-        if not self._stator.settled:
-            vibration = self._stator.advance(end_s - self._now_s)
-            self._grip = self._contact.grip(vibration)
-            self._thermal.set_loss(self._now_s, self._thermal.loss_w(self._drive, vibration))
-            self._rotor.advance(self._now_s, [(end_s, self._noise_nm[number])], self._grip)
-            self._now_s = end_s
-            if self._stator.settled:
-                self._regrip()
-            return
-        if self._rotor.stays(self._grip, self._noise_bound_nm):
-            ends_s = [end_s]
-        else:
-            ends_s = [tick / TICKS_PER_S for tick in range(self._tick + 1, end_tick)] + [end_s]
+    def _swing(self, end_s: float, noise_nm: float) -> None:
+        """Move on to `end_s` within a tick while the vibration changes."""
+        vibration = self._stator.advance(end_s - self._now_s)
+        self._grip = self._contact.grip(vibration)
+        self._thermal.set_loss(self._now_s, self._thermal.loss_w(self._drive, vibration))
+        self._rotor.advance(self._now_s, [(end_s, noise_nm)], self._grip)
+        self._now_s = end_s
+        if self._stator.settled:
+            self._regrip()
+
+    def _glide(self, end_tick: int, end_s: float, number: int) -> None:
+        """Move on to `end_s` under a steady vibration; noise `number` is the first tick's."""
+        ends_s = [end_s]
+        if not self._rotor.stays(self._grip, self._noise_bound_nm):
+            ends_s[:0] = [tick / TICKS_PER_S for tick in range(self._tick + 1, end_tick)]
         noise_nm = self._noise_nm[number : number + len(ends_s)]
         self._rotor.advance(self._now_s, zip(ends_s, noise_nm, strict=True), self._grip)
         self._now_s = end_s
