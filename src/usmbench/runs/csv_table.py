@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 
 from usmbench.errors import InputError
 
+# More than blank lines before the first row would take.
+_ROW_BYTES = 4096
+
 Values = NDArray[np.float64] | NDArray[np.str_]
 
 
@@ -38,7 +41,7 @@ class Table:
         row
             Number of the row, from 0.
         """
-        reader = csv.reader(io.StringIO(_text(self.path)))
+        reader = csv.reader(io.StringIO(_decoded(self.path, _content(self.path))))
         next(reader)
         rows = (reader.line_num for cells in reader if cells)
         return next(islice(rows, row, None))
@@ -73,32 +76,40 @@ def read_table(
     usmbench.errors.InputError
         The file cannot be read, is not such a table, or has no rows though it must.
     """
-    text = _text(path)
-    if whole_rows and not text.endswith("\n"):
-        text = text[: text.rfind("\n") + 1]
-    names = _names(path, text, needed)
-    columns = _all_numbers(text, names)
+    content = _content(path)
+    if whole_rows:
+        content = content[: content.rfind(b"\n") + 1]
+    names = _names(path, content, needed)
+    columns = _all_numbers(content, names)
     if columns is None:
-        columns = _row_by_row(path, text, names, numbers)
+        columns = _row_by_row(path, _decoded(path, content), names, numbers)
     if not len(columns[names[0]]) and not may_be_empty:
         raise InputError("has no rows; the run stopped before its first", file=path)
     return Table(path, columns)
 
 
-def _text(path: Path) -> str:
-    """Return the file's text; zeros that a power cut left at its end are dropped."""
+def _content(path: Path) -> bytes:
+    """Return what is in the file, without the zeros that a power cut may leave at its end."""
     try:
-        return path.read_bytes().rstrip(b"\0").decode("utf-8-sig")
+        return path.read_bytes().rstrip(b"\0")
     except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", file=path) from error
+        raise InputError(
+            f"cannot be read: {error.strerror}; name a run folder or a CSV file", file=path
+        ) from error
+
+
+def _decoded(path: Path, content: bytes) -> str:
+    """Return the content as text."""
+    try:
+        return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        line = error.object.count(b"\n", 0, error.start) + 1
+        line = content.count(b"\n", 0, error.start) + 1
         raise InputError("not text in UTF-8; save it as CSV", file=path, line=line) from error
 
 
-def _names(path: Path, text: str, needed: Collection[str]) -> list[str]:
+def _names(path: Path, content: bytes, needed: Collection[str]) -> list[str]:
     """Return the column names."""
-    head = text.partition("\n")[0].strip("\r")
+    head = _decoded(path, content.split(b"\n", 1)[0]).rstrip("\r")
     names = [name.strip() for name in next(csv.reader([head]), [])] if head.isprintable() else []
     missing = [name for name in needed if name not in names]
     if missing:
@@ -114,16 +125,13 @@ def _names(path: Path, text: str, needed: Collection[str]) -> list[str]:
     return names
 
 
-def _all_numbers(text: str, names: list[str]) -> dict[str, Values] | None:
+def _all_numbers(content: bytes, names: list[str]) -> dict[str, Values] | None:
     """Return the columns of a file that holds nothing but numbers, None for any other."""
-    body = io.StringIO(text)
-    body.readline()
-    start = body.tell()
-    if not body.readline().strip():
+    start = content.find(b"\n") + 1
+    if not start or not content[start : start + _ROW_BYTES].strip():
         return None
-    body.seek(start)
     try:
-        table = np.loadtxt(body, delimiter=",", comments=None, ndmin=2)
+        table = np.loadtxt(io.BytesIO(content), delimiter=",", skiprows=1, comments=None, ndmin=2)
     except ValueError:
         return None
     return dict(zip(names, table.T, strict=True)) if table.shape[1] == len(names) else None
