@@ -12,6 +12,7 @@ from hil_sim.ni_server.errors import NiCode, NiError, ServerDeadError
 from hil_sim.ni_server.tasks import Task, TaskTable
 
 _LONGEST_WAIT_S: Final = 0.5
+_KEEP_UP_S: Final = 0.05
 
 
 class Card:
@@ -33,6 +34,26 @@ class Card:
         self._lock_step = lock_step
         self._faults = faults
         self._changed = threading.Condition()
+        self._closed = threading.Event()
+        self._keeper = threading.Thread(target=self._keep_up, name="sample clock", daemon=True)
+        if not lock_step:
+            self._keeper.start()
+
+    def _keep_up(self) -> None:
+        """Take samples nobody waits for: motor and board go on where the client has gone quiet."""
+        while not self._closed.wait(_KEEP_UP_S):
+            with self._changed:
+                self._clock.catch_up(_KEEP_UP_S)
+                self._forget()
+
+    def close(self) -> None:
+        """Stop the clock for good; safe to call twice, and from any thread."""
+        self._closed.set()
+        with self._changed:
+            self._clock.stop()
+            self._changed.notify_all()
+        if self._keeper.is_alive():
+            self._keeper.join(_LONGEST_WAIT_S)
 
     def check_alive(self) -> None:
         """Find out whether the server still answers.
@@ -42,11 +63,18 @@ class Card:
         hil_sim.ni_server.errors.ServerDeadError
             It does not, by a fault on demand.
         """
-        if self._has(FaultKind.SERVER_DEAD):
+        self._check_alive_at(self._clock.taken)
+
+    def _check_alive_at(self, sample: int) -> None:
+        if self._has(FaultKind.SERVER_DEAD, sample):
             raise ServerDeadError
 
-    def _has(self, kind: FaultKind) -> bool:
-        return self._faults.active(kind, self._clock.time_s) is not None
+    def _has(self, kind: FaultKind, sample: int) -> bool:
+        """Say whether a fault has begun before a sample's interval.
+
+        Reads go by their first sample, so that all tasks lose the same block in lock step.
+        """
+        return self._faults.active(kind, self._clock.time_s(sample)) is not None
 
     def start(self, task: Task) -> None:
         """Start a task.
@@ -152,6 +180,8 @@ class Card:
         ------
         hil_sim.ni_server.errors.NiError
             They do not come in time, the buffer overflowed, or the task does not run.
+        hil_sim.ni_server.errors.ServerDeadError
+            The server stops answering, by a fault on demand.
         """
         deadline_s = time.monotonic() + (timeout_s if timeout_s >= 0 else math.inf)
         with self._changed:
@@ -164,7 +194,7 @@ class Card:
                         samples_read=0,
                     )
                 self._changed.wait(min(wait_s, remaining_s, _LONGEST_WAIT_S))
-            self.check_alive()
+            self._check_alive_at(task.position)
             return self._read_now(task, n_samples)
 
     def _readable_in_s(self, task: Task, n_samples: int) -> float:
@@ -177,7 +207,7 @@ class Card:
             task.position = max(task.position, self._clock.oldest)
         end = task.position + n_samples
         overflow = self._clock.taken - task.position > task.buffer_samples and not task.overwrite
-        if overflow or self._has(FaultKind.DAQ_OVERFLOW):
+        if overflow or self._has(FaultKind.DAQ_OVERFLOW, task.position):
             raise NiError(
                 NiCode.SAMPLES_NO_LONGER_AVAILABLE,
                 "The samples requested were overwritten before they were read",
@@ -192,7 +222,8 @@ class Card:
 
     def _forget(self) -> None:
         taken = self._clock.taken
-        self._clock.forget(min(task.needed_from(taken) for task in self.tasks.all()))
+        needed = (task.needed_from(taken) for task in self.tasks.all())
+        self._clock.forget(min(needed, default=taken))
 
     def next_event(self, task: Task, gone: threading.Event) -> bool:
         """Wait until a task's next block is ready; False where its event stream is over.
@@ -211,8 +242,9 @@ class Card:
         """
         with self._changed:
             while task in self.tasks and task.event_samples and not gone.is_set():
-                self.check_alive()
-                if self._has(FaultKind.EVENT_STREAM_DEAD):
+                if not self._lock_step:  # there the next read finds out
+                    self.check_alive()
+                if self._has(FaultKind.EVENT_STREAM_DEAD, self._clock.taken):
                     return False
                 wait_s = self._event_in_s(task)
                 if wait_s <= 0:

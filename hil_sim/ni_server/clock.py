@@ -75,10 +75,15 @@ class SampleClock:
         self._started_s = 0.0
         self._chunks: deque[Chunk] = deque()
 
-    @property
-    def time_s(self) -> float:
-        """Simulated time of the end of the samples taken."""
-        return self._feed.time_s
+    def time_s(self, sample: int) -> float:
+        """Return the simulated time at which a sample's interval begins.
+
+        Parameters
+        ----------
+        sample
+            Number of the sample.
+        """
+        return self._feed.time_s + (sample - self.taken) / self._rate_hz
 
     def start(self, rate_hz: float) -> None:
         """Start counting samples from 0.
@@ -134,6 +139,18 @@ class SampleClock:
             samples = self._feed.acquire(end - self.taken, self._rate_hz)
             self._chunks.append(Chunk(self.taken, samples))
             self.taken = end
+
+    def catch_up(self, lag_s: float) -> None:
+        """Take all samples due, where more than `lag_s` of them are.
+
+        Parameters
+        ----------
+        lag_s
+            How far behind the clock may be.
+        """
+        due = self.due()
+        if due - self.taken > lag_s * self._rate_hz:
+            self.take(due)
 
     def samples(self, first: int, end: int) -> Samples:
         """Return samples that were taken and are kept.

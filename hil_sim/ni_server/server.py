@@ -45,10 +45,10 @@ class NiServer:
     ):
         wraps = faults.of(FaultKind.COUNTER_WRAP)
         wiring = Wiring(device, wraps[0].counts if wraps else None)
-        card = Card(feed, lock_step=lock_step, faults=faults)
+        self._card = Card(feed, lock_step=lock_step, faults=faults)
         self._workers = ThreadPoolExecutor(_WORKERS, thread_name_prefix="ni_server")
         self._server = grpc.server(self._workers)
-        service = NiDaqService(card, wiring, die=lambda: self._server.stop(None))
+        service = NiDaqService(self._card, wiring, die=self._die)
         self._server.add_generic_rpc_handlers((service.handlers(),))
         try:
             port = self._server.add_insecure_port("127.0.0.1:0")
@@ -57,8 +57,13 @@ class NiServer:
         self.address = f"127.0.0.1:{port}"
         self._server.start()
 
+    def _die(self) -> None:
+        self._server.stop(None)
+        self._card.close()
+
     def stop(self) -> None:
         """Stop answering and end all threads; safe to call twice."""
+        self._card.close()
         self._server.stop(None).wait(_STOP_TIMEOUT_S)
         self._workers.shutdown(wait=True)
 

@@ -89,7 +89,6 @@ class NiDaqService:
 
         def answer(request: Any, context: Any) -> Any:
             try:
-                self._card.check_alive()
                 return call(request, context)
             except NiError as error:
                 _refuse(context, error)
@@ -100,6 +99,7 @@ class NiDaqService:
         return answer
 
     def _task(self, request: Any) -> Task:
+        self._card.check_alive()
         return self._card.tasks.get(request.task.name)
 
     def _driver_version(self, request: Any, _context: Any) -> Any:
@@ -179,7 +179,8 @@ class NiDaqService:
     def _reader(self, response: Callable[..., Any]) -> Call:
         def read(request: Any, _context: Any) -> Any:
             n_samples = request.num_samps_per_chan
-            values = self._card.read(self._task(request), n_samples, request.timeout)
+            task = self._card.tasks.get(request.task.name)
+            values = self._card.read(task, n_samples, request.timeout)
             return response(read_array=values.tolist(), samps_per_chan_read=n_samples)
 
         return read

@@ -1,12 +1,10 @@
 """The NI-DAQmx tasks of a bench: encoder, index and analogue input on one sample clock."""
 
-import json
 import math
 from collections.abc import Callable
 from contextlib import ExitStack
 from typing import Any, Final
 
-import grpc
 import nidaqmx
 import numpy as np
 from nidaqmx.constants import (
@@ -21,6 +19,7 @@ from nidaqmx.stream_readers import AnalogSingleChannelReader, CounterReader
 from numpy.typing import NDArray
 
 from usmbench.errors import InputError
+from usmbench.instruments.nidaq_channel import connect
 from usmbench.settings.bench import DaqSettings, TemperatureSettings
 
 BUFFER_S: Final = 10.0
@@ -29,17 +28,6 @@ COUNTER_BITS: Final = {"m_x": 32, "e_series": 24}
 """Width of the counters of each family of cards."""
 _UP_DOWN_TERMINALS: Final = {"ctr0": ("PFI8", "port0/line6"), "ctr1": ("PFI3", "port0/line7")}
 """Source (channel A) and up/down input (channel B) of the counters of the E series."""
-_CONFIGURING_TIMEOUT_S: Final = 10.0
-_RUNNING_TIMEOUT_S: Final = 2.0
-_RUNNING_CALLS: Final = (
-    "ReadCounterF64Ex",
-    "ReadCounterU32Ex",
-    "ReadAnalogF64",
-    "GetReadAttributeUInt64",
-    "StopTask",
-    "ClearTask",
-)
-_MAX_MESSAGE_BYTES: Final = 64 * 2**20
 
 
 class CardTasks:
@@ -71,37 +59,15 @@ class CardTasks:
         self.block_s = self._samples / settings.sample_rate_hz
         self._read_timeout_s = self.block_s + settings.no_data_timeout_s
         self._tasks: list[Any] = []
-        self._channel = self._connect()
+        self._channel = None
+        if settings.address is not None:
+            self._channel = connect(settings.address, self._read_timeout_s)
         with ExitStack() as stack:
             stack.callback(self.close)
             self._open(lines)
             for task in self._tasks:
                 task.control(TaskMode.TASK_COMMIT)
             stack.pop_all()
-
-    def _connect(self) -> Any:
-        """Return the channel to the device server, or None for the driver on this computer."""
-        if self._settings.address is None:
-            return None
-        service = "nidaqmx_grpc.NiDAQmx"
-        running_s = _RUNNING_TIMEOUT_S + self._read_timeout_s
-        # nidaqmx sets no deadlines; the channel's own configuration costs nothing on each call.
-        deadlines = [
-            {"name": [{}], "timeout": f"{_CONFIGURING_TIMEOUT_S:.3f}s"},
-            {
-                "name": [{"service": service, "method": method} for method in _RUNNING_CALLS],
-                "timeout": f"{running_s:.3f}s",
-            },
-            {"name": [{"service": service, "method": "RegisterEveryNSamplesEvent"}]},
-        ]
-        return grpc.insecure_channel(
-            self._settings.address,
-            options=[
-                ("grpc.service_config", json.dumps({"methodConfig": deadlines})),
-                ("grpc.enable_http_proxy", 0),
-                ("grpc.max_receive_message_length", _MAX_MESSAGE_BYTES),
-            ],
-        )
 
     def _open(self, lines: int) -> None:
         # The task that makes the clock comes last: it is started last, when all counters wait for
