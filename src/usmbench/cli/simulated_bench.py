@@ -172,12 +172,18 @@ class SimulatedOperator:
 
     testbed: SimulatedTestbed
 
-    def set_load(self, torque_nm: float) -> None:
+    def set_load(self, torque_nm: float, *, ask: bool) -> None:
         """Set the load torque.
 
         Parameters
         ----------
         torque_nm
             Load torque.
+        ask
+            Whether a person would be asked; the simulated motor needs its load either way.
         """
         self.testbed.set_load(torque_nm)
+
+    def load_is_set(self) -> bool:
+        """Return True: the testbed has confirmed the load before `set_load` returned."""
+        return True
