@@ -13,6 +13,7 @@ from hil_sim.dds_pair import SpiLog
 from hil_sim.faults import FaultKind, FaultSchedule
 from hil_sim.line import Arrival, Line
 from hil_sim.signals import Drive, Plant, Samples
+from usmbench.errors import InputError
 
 HISTORY_LENGTH: Final = 10_000
 """Drive changes kept: a day of them would not stay in memory."""
@@ -177,7 +178,14 @@ class Testbed:
         Parameters
         ----------
         torque_nm
-            Load torque.
+            Load torque, which acts against the motion.
+
+        Raises
+        ------
+        usmbench.errors.InputError
+            The torque is negative or not a number.
         """
+        if not 0.0 <= torque_nm < math.inf:
+            raise InputError(f"the load torque must be 0 N·m or more, not {torque_nm:g}")
         with self._lock:
             self._at(self.time_s, self._plant.set_load, torque_nm)

@@ -1,0 +1,84 @@
+"""`python -m hil_sim`: the simulated testbed alone, for any client."""
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+from hil_sim.control import run_until_stopped
+from hil_sim.fault_entries import parse_fault, read_faults
+from hil_sim.faults import FaultKind, FaultSchedule
+from hil_sim.plant import MotorPlant
+from hil_sim.running import RunningTestbed
+from usmbench.errors import UsmbenchError
+
+# The pseudo-terminal's thread must get its turn within a byte's time, whatever the others compute.
+_SWITCH_INTERVAL_S: Final = 100e-6
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m hil_sim",
+        description="Simulated testbed: signal generator board, USR60 motor, encoder and DAQ card.",
+    )
+    parser.add_argument("--seed", type=int, default=0, help="seed of the motor's noise")
+    parser.add_argument(
+        "--lock-step",
+        action="store_true",
+        help="move time with the samples read, as fast as they are, instead of with the clock",
+    )
+    parser.add_argument("--load", type=float, default=0.0, metavar="NM", help="load torque in N·m")
+    parser.add_argument(
+        "--fault",
+        action="append",
+        default=[],
+        metavar="KIND@SECONDS[,OPTION=VALUE…]",
+        help=f"a fault and its simulated time; kinds: {', '.join(FaultKind)}",
+    )
+    parser.add_argument("--fault-file", type=Path, metavar="FILE", help="faults as a YAML list")
+    parser.add_argument("--json", action="store_true", help="print port and address as JSON")
+    parser.add_argument(
+        "--stdin-control",
+        action="store_true",
+        help='take lines such as {"load_nm": 0.1} from standard input, and stop at its end',
+    )
+    return parser
+
+
+def _run(arguments: argparse.Namespace) -> None:
+    faults = [parse_fault(text) for text in arguments.fault]
+    if arguments.fault_file is not None:
+        faults += read_faults(arguments.fault_file)
+    plant = MotorPlant(seed=arguments.seed)
+    schedule = FaultSchedule(faults)
+    sys.setswitchinterval(_SWITCH_INTERVAL_S)
+    with RunningTestbed(plant, schedule, lock_step=arguments.lock_step) as running:
+        running.testbed.set_load(arguments.load)
+        if arguments.json:
+            print(json.dumps({"port": running.port, "daq": running.daq_address}), flush=True)
+        else:
+            print(f"serial port: {running.port}")
+            print(f"DAQ address: {running.daq_address}", flush=True)
+        run_until_stopped(running.testbed, stdin_control=arguments.stdin_control)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the testbed until it is stopped; return the exit status.
+
+    Parameters
+    ----------
+    argv
+        Arguments; None for those of the process.
+    """
+    try:
+        _run(_parser().parse_args(argv))
+    except UsmbenchError as error:
+        print(f"hil_sim: {error}", file=sys.stderr)
+        return error.exit_status
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
