@@ -1,6 +1,12 @@
 """What the index pulse, once a revolution, says about the counts between two of its passes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+
+import numpy as np
+
+from usmbench.errors import DaqError
+from usmbench.instruments.samples import SampleBlock
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,3 +90,62 @@ def check_index(
     known: int | None = getattr(state, other)
     moved = None if known is None else known + error
     return IndexState(**{key: passed.position, other: moved}), error
+
+
+@dataclass(frozen=True, slots=True)
+class CountsPerRev:
+    """Counts of one revolution, as the index pulse measures them.
+
+    Parameters
+    ----------
+    counts
+        Median over the revolutions.
+    spread
+        Largest less smallest; more than 2 means that counts come and go.
+    revolutions
+        Number of whole revolutions it was measured over.
+    """
+
+    counts: int
+    spread: int
+    revolutions: int
+
+
+def measure_counts_per_rev(blocks: Sequence[SampleBlock], counter_bits: int) -> CountsPerRev:
+    """Count from index pulse to index pulse while the shaft turns one way.
+
+    Parameters
+    ----------
+    blocks
+        Blocks of one acquisition, in order and without a gap.
+    counter_bits
+        Width of the counter: it wraps at 2**counter_bits.
+
+    Returns
+    -------
+    CountsPerRev
+        What a revolution counts; positive whichever way the shaft turned.
+
+    Raises
+    ------
+    usmbench.errors.DaqError
+        No index is wired, or the shaft made no whole revolution in one direction.
+    """
+    indices = [block.index_counts for block in blocks if block.index_counts is not None]
+    if len(indices) < len(blocks) or not blocks:
+        raise DaqError("no index pulses are counted; set daq.index_counter to where they are wired")
+    counts = np.concatenate([block.counts for block in blocks])
+    half = 1 << (counter_bits - 1)
+    steps = ((np.diff(counts) + half) & (2 * half - 1)) - half
+    position = np.append(0, np.cumsum(steps))
+    travelled = np.append(0, np.cumsum(np.abs(steps)))
+    at = np.flatnonzero(np.diff(np.concatenate(indices)) == 1) + 1
+    turns, way = np.diff(position[at]), np.diff(travelled[at])
+    # Without a reversal in between, and not the two ends of the mark passed by turning on it.
+    whole = np.abs(turns[(np.abs(turns) == way) & (way > 1)])
+    if not len(whole):
+        raise DaqError(
+            f"{len(at)} index pulses and no whole revolution between two of them; "
+            "turn the shaft at least two revolutions one way, and look at the index wire"
+        )
+    return CountsPerRev(round(float(np.median(whole))), int(np.ptp(whole)), len(whole))
