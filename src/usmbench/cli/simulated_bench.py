@@ -28,10 +28,17 @@ class SimulatedTestbed:
         The started process, with pipes for its standard input and output.
     messages
         File that takes its standard error, shown where it fails.
+
+    Raises
+    ------
+    usmbench.errors.BenchError
+        The process does not come up.
     """
 
     def __init__(self, process: "subprocess.Popen[str]", messages: IO[str]):
-        self._process = process
+        if process.stdin is None or process.stdout is None:
+            raise ValueError("the process has no pipes")
+        self._process, self._input, self._output = process, process.stdin, process.stdout
         self._messages = messages
         self._lines: queue.Queue[str] = queue.Queue()
         reader = threading.Thread(target=self._read_lines, name="hil_sim output", daemon=True)
@@ -42,8 +49,7 @@ class SimulatedTestbed:
         self.daq_address = str(address["daq"])
 
     def _read_lines(self) -> None:
-        assert self._process.stdout is not None
-        for line in self._process.stdout:
+        for line in self._output:
             self._lines.put(line)
         self._lines.put("")
 
@@ -75,10 +81,9 @@ class SimulatedTestbed:
         usmbench.errors.BenchError
             The testbed does not answer.
         """
-        assert self._process.stdin is not None
         try:
-            self._process.stdin.write(json.dumps({"load_nm": torque_nm}) + "\n")
-            self._process.stdin.flush()
+            self._input.write(json.dumps({"load_nm": torque_nm}) + "\n")
+            self._input.flush()
         except OSError:
             raise BenchError("the simulated testbed has ended: its load cannot be set") from None
         reply = self._next_reply(REPLY_TIMEOUT_S)
@@ -87,8 +92,7 @@ class SimulatedTestbed:
 
     def stop(self) -> None:
         """End the process; it also ends by itself when this one dies and its input closes."""
-        assert self._process.stdin is not None
-        for end in (self._process.stdin.close, self._process.terminate, self._process.kill):
+        for end in (self._input.close, self._process.terminate, self._process.kill):
             try:
                 end()
                 self._process.wait(STOP_TIMEOUT_S)
@@ -96,8 +100,7 @@ class SimulatedTestbed:
                 continue
             break
         self._reader.join(STOP_TIMEOUT_S)
-        if self._process.stdout is not None:
-            self._process.stdout.close()
+        self._output.close()
 
 
 @contextmanager
