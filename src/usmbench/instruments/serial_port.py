@@ -20,7 +20,7 @@ class SerialPort(Protocol):
         """Return up to `size` bytes, fewer when `timeout` seconds pass first."""
 
     def write(self, data: bytes, /) -> int | None:
-        """Send bytes; raises `OSError` (pyserial's SerialException is one) where the port is gone."""
+        """Send bytes; `OSError` (pyserial's SerialException is one) where the port is gone."""
 
     def reset_input_buffer(self) -> None:
         """Forget what was received and not read."""
