@@ -169,7 +169,14 @@ class MotorPlant:
         -------
         Samples
             Count, index pulses and temperature; the first sample is at the time reached before.
+
+        Raises
+        ------
+        ValueError
+            Fewer than one sample, or a rate that is not positive.
         """
+        if n_samples < 1 or not sample_rate_hz > 0.0:
+            raise ValueError(f"{n_samples} samples at {sample_rate_hz} Hz cannot be taken")
         times_s = self._clock(n_samples, sample_rate_hz)
         stretch = max(1, int(_STRETCH_S * sample_rate_hz))
         parts = []

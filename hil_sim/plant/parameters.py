@@ -68,11 +68,11 @@ class ContactParameters:
         wave clamps like a standing one. Sets how fast the rotor stops after the drive.
     """
 
-    speed_per_amplitude_rad_s: float = 18.7
-    traction_limit_nm: float = 0.8
+    speed_per_amplitude_rad_s: float = 18.5
+    traction_limit_nm: float = 0.85
     traction_slip_rad_s: float = 8.6
     clamp_limit_nm: float = 1.25
-    release_amplitude: float = 0.455
+    release_amplitude: float = 0.466
     release_exponent: float = 5.75
     lift_amplitude: float = 0.05
 
@@ -97,7 +97,7 @@ class RotorParameters:
         Correlation time of the torque noise.
     """
 
-    inertia_kg_m2: float = 2.4e-4
+    inertia_kg_m2: float = 2.65e-4
     bearing_friction_nm: float = 0.005
     breakaway_ratio: float = 1.0
     weight_nm: float = 0.0
@@ -157,7 +157,7 @@ _Part = TypeVar("_Part", StatorParameters, ContactParameters, RotorParameters, T
 
 # Spread of each drawn parameter relative to the overall spread; what is not named stays.
 _RELATIVE_SPREAD = {
-    "resonance_hz": 0.05,
+    "resonance_hz": 0.02,
     "quality_factor": 1.0,
     "speed_per_amplitude_rad_s": 1.0,
     "traction_limit_nm": 1.0,
@@ -212,7 +212,7 @@ class PlantParameters:
             Where the draw comes from.
         spread
             Relative standard deviation of speed constant, friction, inertia and quality factor;
-            the resonance varies by a twentieth of it. 0 gives the default motor but for the
+            the resonance varies by a fiftieth of it. 0 gives the default motor but for the
             mismatch of the modes and the position of the disc, which are drawn in any case.
 
         Returns

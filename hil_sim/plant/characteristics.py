@@ -1,0 +1,282 @@
+"""What a bench would find out about a simulated motor: speeds, dead zone, lag, warm-up.
+
+Everything here is measured by running the plant and reading its disc, nothing is computed from
+the parameters, so that it can be held against published figures.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from hil_sim.plant.motor_plant import MotorPlant
+from hil_sim.plant.parameters import PlantParameters
+from hil_sim.signals import Drive
+
+FULL_SPEED_RAD_S = 10.25
+"""Published gain k_m, the full speed at 41 kHz without load."""
+
+LAG_S = 0.0035
+"""Published time constant."""
+
+_RATE_HZ = 20_000.0
+# Slower than one count in the averaging time counts as standing still, noise's first kicks too.
+_MOVES_RAD_S = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class OperatingPoint:
+    """Where a characteristic is measured.
+
+    Parameters
+    ----------
+    frequency_hz
+        Of the drive.
+    torque_nm
+        Of the brake.
+    """
+
+    frequency_hz: float = 41_000.0
+    torque_nm: float = 0.0
+
+
+PUBLISHED_POINTS = tuple(
+    OperatingPoint(frequency_hz, torque_nm)
+    for frequency_hz in (41_000.0, 41_500.0, 42_000.0)
+    for torque_nm in (0.0, 0.1, 0.2)
+)
+"""The nine operating points of the paper's Section V."""
+
+
+class WarmUp(NamedTuple):
+    """Speed and stator temperature before and after a time of full drive.
+
+    Parameters
+    ----------
+    cold_rad_s, warm_rad_s
+        Speeds.
+    cold_c, warm_c
+        Temperatures.
+    """
+
+    cold_rad_s: float
+    warm_rad_s: float
+    cold_c: float
+    warm_c: float
+
+    @property
+    def speed_change(self) -> float:
+        """Relative change of the speed."""
+        return self.warm_rad_s / self.cold_rad_s - 1.0
+
+
+class Rig:
+    """A motor under a drive, whose turning is read from the disc.
+
+    Parameters
+    ----------
+    parameters
+        The motor.
+    point
+        Frequency and load.
+    seed
+        Seed of the plant.
+    """
+
+    def __init__(self, parameters: PlantParameters, point: OperatingPoint, seed: int = 0):
+        self._plant = MotorPlant(parameters, seed)
+        self._point = point
+        self._n_samples = 0
+        self._rad_per_count = 2.0 * np.pi / (4 * parameters.disc.lines)
+        self._position = 0
+        self._plant.set_load(0.0, point.torque_nm)
+        self.temperature_c = parameters.thermal.ambient_c
+
+    def drive(self, phase_deg: float, amplitude: float = 1.0) -> None:
+        """Change the drive now.
+
+        Parameters
+        ----------
+        phase_deg
+            Phase shift.
+        amplitude
+            Of both voltages.
+        """
+        drive = Drive(self._point.frequency_hz, phase_deg, amplitude, amplitude)
+        self._plant.drive(self._n_samples / _RATE_HZ, drive)
+
+    def turn(self, duration_s: float) -> float:
+        """Wait, and return by how much the disc has turned.
+
+        Parameters
+        ----------
+        duration_s
+            Time to wait.
+
+        Returns
+        -------
+        float
+            Angle in rad.
+        """
+        n_samples = round(duration_s * _RATE_HZ)
+        samples = self._plant.sample(n_samples, _RATE_HZ)
+        self._n_samples += n_samples
+        self.temperature_c = samples.temperature_c
+        turned = int(samples.position[-1]) - self._position
+        self._position += turned
+        return turned * self._rad_per_count
+
+    def speed(self, settle_s: float = 0.05, average_s: float = 0.1) -> float:
+        """Let the speed settle and return its average.
+
+        Parameters
+        ----------
+        settle_s
+            Time before the average.
+        average_s
+            Time of the average.
+
+        Returns
+        -------
+        float
+            Speed in rad/s.
+        """
+        if settle_s:
+            self.turn(settle_s)
+        return self.turn(average_s) / average_s
+
+
+def static_curve(
+    parameters: PlantParameters, point: OperatingPoint, phases_deg: list[float], seed: int = 0
+) -> list[float]:
+    """Return the settled speed at each phase shift, one after the other on the cold motor.
+
+    Parameters
+    ----------
+    parameters
+        The motor.
+    point
+        Frequency and load.
+    phases_deg
+        Phase shifts, in the order they are driven.
+    seed
+        Seed of the plant.
+
+    Returns
+    -------
+    list of float
+        Speeds in rad/s.
+    """
+    rig = Rig(parameters, point, seed)
+    speeds = []
+    for phase_deg in phases_deg:
+        rig.drive(phase_deg)
+        speeds.append(rig.speed())
+    return speeds
+
+
+def dead_zone_deg(
+    parameters: PlantParameters, point: OperatingPoint, seed: int = 0
+) -> tuple[float, float]:
+    """Return the dead zone's edges, found by bisection from rest.
+
+    Parameters
+    ----------
+    parameters
+        The motor.
+    point
+        Frequency and load.
+    seed
+        Seed of the plant.
+
+    Returns
+    -------
+    tuple of float
+        Lower and upper edge in degrees, to 0.1; ∓90 where it does not move at all.
+    """
+    low, high = (_edge_deg(parameters, point, sign, seed) for sign in (-1.0, 1.0))
+    return low, high
+
+
+def _edge_deg(parameters: PlantParameters, point: OperatingPoint, sign: float, seed: int) -> float:
+    """Edge of the dead zone on one side."""
+    still_deg, moving_deg = 0.0, 90.0
+    while moving_deg - still_deg > 0.1:
+        middle_deg = 0.5 * (still_deg + moving_deg)
+        (speed,) = static_curve(parameters, point, [sign * middle_deg], seed)
+        if abs(speed) > _MOVES_RAD_S:
+            moving_deg = middle_deg
+        else:
+            still_deg = middle_deg
+    return sign * moving_deg
+
+
+def lag_s(
+    parameters: PlantParameters,
+    point: OperatingPoint,
+    from_deg: float,
+    to_deg: float,
+    *,
+    repeats: int = 10,
+    seed: int = 0,
+) -> float:
+    """Return the lag of the speed behind steps of the phase shift.
+
+    Parameters
+    ----------
+    parameters
+        The motor.
+    point
+        Frequency and load.
+    from_deg, to_deg
+        Phase shift before and after the step.
+    repeats
+        Steps averaged.
+    seed
+        Seed of the plant.
+
+    Returns
+    -------
+    float
+        Area between the step and the speed, over the step's height; τ for a first-order lag.
+    """
+    rig = Rig(parameters, point, seed)
+    missing_rad = rise_rad_s = 0.0
+    for _ in range(repeats):
+        rig.drive(from_deg)
+        before_rad_s = rig.speed()
+        rig.drive(to_deg)
+        turned_rad = rig.turn(0.05)
+        after_rad_s = rig.speed(0.0)
+        missing_rad += 0.05 * after_rad_s - turned_rad
+        rise_rad_s += after_rad_s - before_rad_s
+    return missing_rad / rise_rad_s
+
+
+def warm_up(
+    parameters: PlantParameters, point: OperatingPoint, duration_s: float, seed: int = 0
+) -> WarmUp:
+    """Return how speed and temperature change under full drive.
+
+    Parameters
+    ----------
+    parameters
+        The motor.
+    point
+        Frequency and load.
+    duration_s
+        Time of full drive.
+    seed
+        Seed of the plant.
+
+    Returns
+    -------
+    WarmUp
+        Speeds averaged over half a second at either end.
+    """
+    rig = Rig(parameters, point, seed)
+    rig.drive(90.0)
+    cold = rig.speed(average_s=0.5), rig.temperature_c
+    rig.turn(duration_s)
+    warm = rig.speed(average_s=0.5), rig.temperature_c
+    return WarmUp(cold[0], warm[0], cold[1], warm[1])
