@@ -70,9 +70,9 @@ class Card:
             raise ServerDeadError
 
     def _has(self, kind: FaultKind, sample: int) -> bool:
-        """Say whether a fault has begun before a sample's interval.
+        """Say whether a fault has begun when a sample's interval begins.
 
-        Reads go by their first sample, so that all tasks lose the same block in lock step.
+        Reads and events go by the end of their block: all tasks lose the same one in lock step.
         """
         return self._faults.active(kind, self._clock.time_s(sample)) is not None
 
@@ -194,7 +194,6 @@ class Card:
                         samples_read=0,
                     )
                 self._changed.wait(min(wait_s, remaining_s, _LONGEST_WAIT_S))
-            self._check_alive_at(task.position)
             return self._read_now(task, n_samples)
 
     def _readable_in_s(self, task: Task, n_samples: int) -> float:
@@ -205,15 +204,16 @@ class Card:
     def _read_now(self, task: Task, n_samples: int) -> Values:
         if task.overwrite:
             task.position = max(task.position, self._clock.oldest)
-        end = task.position + n_samples
         overflow = self._clock.taken - task.position > task.buffer_samples and not task.overwrite
-        if overflow or self._has(FaultKind.DAQ_OVERFLOW, task.position):
+        end = task.position + n_samples
+        self._clock.take(end)
+        self._check_alive_at(end)
+        if overflow or self._has(FaultKind.DAQ_OVERFLOW, end):
             raise NiError(
                 NiCode.SAMPLES_NO_LONGER_AVAILABLE,
                 "The samples requested were overwritten before they were read",
                 samples_read=0,
             )
-        self._clock.take(end)
         values = task.require_channel().values(self._clock.samples(task.position, end))
         task.position = end
         self._forget()
@@ -244,12 +244,9 @@ class Card:
             while task in self.tasks and task.event_samples and not gone.is_set():
                 if not self._lock_step:  # there the next read finds out
                     self.check_alive()
-                if self._has(FaultKind.EVENT_STREAM_DEAD, self._clock.taken):
-                    return False
                 wait_s = self._event_in_s(task)
                 if wait_s <= 0:
-                    self._send_event(task)
-                    return True
+                    return self._send_event(task)
                 self._changed.wait(min(wait_s, _LONGEST_WAIT_S))
             return False
 
@@ -257,15 +254,16 @@ class Card:
         if not (task.running and self._clock.running):
             return math.inf
         if self._lock_step:
-            all_read = task.position >= task.start + task.events * task.event_samples
-            return 0.0 if all_read else math.inf
-        return self._clock.wait_s(task.start + (task.events + 1) * task.event_samples)
+            return 0.0 if task.position >= task.events_end else math.inf
+        return self._clock.wait_s(task.events_end + task.event_samples)
 
-    def _send_event(self, task: Task) -> None:
+    def _send_event(self, task: Task) -> bool:
+        """Count an event that is due; False where it is not sent, for the stream is dead."""
         task.events += 1
         if not self._lock_step:
-            self._clock.take(task.start + task.events * task.event_samples)
+            self._clock.take(task.events_end)
             self._forget()
+        return not self._has(FaultKind.EVENT_STREAM_DEAD, task.events_end)
 
     def wake(self, gone: threading.Event) -> None:
         """Tell the event stream of a client that it is gone.

@@ -2,14 +2,15 @@
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
 from nidaqmx.constants import CountDirection
 from numpy.typing import NDArray
 
-from hil_sim.counter import COUNTER_BITS, Counter, Family, sensor_volts
+from hil_sim.counter import card_counter, sensor_volts
+from hil_sim.faults import FaultSchedule
 from hil_sim.ni_server.errors import NiCode, NiError
 from hil_sim.signals import Samples
 
@@ -42,12 +43,12 @@ class Wiring:
     ----------
     device
         Name of the card.
-    wrap_counts
-        How far from its end the encoder's counter starts, or None for a start at its initial value.
+    faults
+        The run's faults, which may preset the encoder's counter.
     """
 
-    device: str = "Dev1"
-    wrap_counts: int | None = None
+    device: str
+    faults: FaultSchedule
 
     def _resource(self, physical: str, kind: str) -> str:
         device, _, channel = physical.partition("/")
@@ -58,11 +59,6 @@ class Wiring:
                 NiCode.CHANNEL_DOES_NOT_EXIST, f"Physical channel does not exist: {physical}"
             )
         return physical
-
-    def _encoder(self, family: Family, initial: int) -> Counter:
-        bits = COUNTER_BITS[family]
-        preset = initial if self.wrap_counts is None else (1 << bits) - self.wrap_counts
-        return Counter(family, bits, preset)
 
     def angular_encoder(self, physical: str) -> Channel:
         """Return the X4 decoder of a counter of the M and X series.
@@ -78,7 +74,7 @@ class Wiring:
             There is no such channel.
         """
         resource = self._resource(physical, "counter")
-        counter = self._encoder("m_x", 0)
+        counter = card_counter("m_x", self.faults)
         return Channel(resource, lambda samples: counter.values(samples.position).astype(float))
 
     def count_edges(self, physical: str, direction: int, initial: int) -> Channel:
@@ -100,7 +96,8 @@ class Wiring:
         """
         resource = self._resource(physical, "counter")
         if direction == CountDirection.EXTERNAL_SOURCE.value:
-            counter = self._encoder("e_series", initial)
+            preset = card_counter("e_series", self.faults)
+            counter = replace(preset, initial=preset.initial + initial)
             return Channel(
                 resource, lambda samples: counter.values(samples.position).astype(np.uint32)
             )

@@ -5,7 +5,7 @@ from typing import Final
 
 import grpc
 
-from hil_sim.faults import FaultKind, FaultSchedule
+from hil_sim.faults import FaultSchedule
 from hil_sim.ni_server.card import Card
 from hil_sim.ni_server.channels import Wiring
 from hil_sim.ni_server.clock import SampleFeed
@@ -43,12 +43,10 @@ class NiServer:
         faults: FaultSchedule,
         device: str = "Dev1",
     ):
-        wraps = faults.of(FaultKind.COUNTER_WRAP)
-        wiring = Wiring(device, wraps[0].counts if wraps else None)
         self._card = Card(feed, lock_step=lock_step, faults=faults)
         self._workers = ThreadPoolExecutor(_WORKERS, thread_name_prefix="ni_server")
         self._server = grpc.server(self._workers)
-        service = NiDaqService(self._card, wiring, die=self._die)
+        service = NiDaqService(self._card, Wiring(device, faults), die=self._die)
         self._server.add_generic_rpc_handlers((service.handlers(),))
         try:
             port = self._server.add_insecure_port("127.0.0.1:0")

@@ -59,6 +59,11 @@ class Task:
         """
         return self.running and not self.clock_source.endswith("/ai/SampleClock")
 
+    @property
+    def events_end(self) -> int:
+        """Number of the sample after the last block that an event told of."""
+        return self.start + self.events * self.event_samples
+
     def require_channel(self) -> Channel:
         """Return the channel.
 

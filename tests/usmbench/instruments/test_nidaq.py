@@ -137,7 +137,7 @@ def test_in_real_time_the_callback_reads_ahead(serve_encoder: Any) -> None:
 
 
 def test_overflow_is_named(serve_encoder: Any) -> None:
-    overflow = Fault(FaultKind.DAQ_OVERFLOW, 0.03)
+    overflow = Fault(FaultKind.DAQ_OVERFLOW, 0.035)
     server, _ = serve_encoder(faults=[overflow])
     with NiSampleSource(settings(server.address)) as source:
         assert len(blocks(source, 3)) == 3
@@ -152,7 +152,7 @@ def test_dead_event_stream_is_missing_data_within_the_deadline(
     serve_encoder: Any, lock_step: bool, says: str
 ) -> None:
     server, _ = serve_encoder(
-        lock_step=lock_step, faults=[Fault(FaultKind.EVENT_STREAM_DEAD, 0.03)]
+        lock_step=lock_step, faults=[Fault(FaultKind.EVENT_STREAM_DEAD, 0.035)]
     )
     daq = settings(server.address, no_data_timeout_s=0.3, read_ahead_blocks=0)
     with NiSampleSource(daq) as source:
@@ -165,7 +165,7 @@ def test_dead_event_stream_is_missing_data_within_the_deadline(
 
 @pytest.mark.parametrize("by_fault", [True, False])
 def test_dead_server_is_named_and_the_source_closes(serve_encoder: Any, by_fault: bool) -> None:
-    server, _ = serve_encoder(faults=[Fault(FaultKind.SERVER_DEAD, 0.03)] if by_fault else [])
+    server, _ = serve_encoder(faults=[Fault(FaultKind.SERVER_DEAD, 0.035)] if by_fault else [])
     with NiSampleSource(settings(server.address, no_data_timeout_s=0.3)) as source:
         blocks(source, 3)
         if not by_fault:
