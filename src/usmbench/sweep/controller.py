@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import ceil
 from typing import Protocol
 
 import numpy as np
@@ -18,10 +17,9 @@ from usmbench.sweep.operator import Operator
 from usmbench.sweep.rows import PairRow, Sink, WindowRow
 from usmbench.sweep.schedule import Dwell
 from usmbench.sweep.settling import Settling
+from usmbench.sweep.summary import WINDOWS_BEFORE, windows_after
 
 HEARTBEAT_S = 0.25
-# Windows without drive before the first command: they show that nothing moves.
-WINDOWS_BEFORE = 5
 
 
 class Observer(Protocol):
@@ -64,19 +62,6 @@ class Start:
 
     t_s: float = 0.0
     angle_rad: float = 0.0
-
-
-def windows_after(interlocks: InterlockSettings, window_s: float) -> int:
-    """Return the number of windows after the last dwell that show that the motor has stopped.
-
-    Parameters
-    ----------
-    interlocks
-        The limits.
-    window_s
-        Duration of one window.
-    """
-    return ceil(interlocks.motion_off_after_s / window_s) + 3
 
 
 class SweepController:

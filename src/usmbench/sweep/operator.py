@@ -2,6 +2,7 @@
 
 import os
 import queue
+import sys
 import threading
 from typing import Protocol, TextIO
 
@@ -24,13 +25,13 @@ class TerminalOperator:
     Parameters
     ----------
     output
-        Where the question goes.
+        Where the question goes; None is standard error.
     input_fd
         File descriptor the answer comes from; 0 is standard input.
     """
 
-    def __init__(self, output: TextIO, input_fd: int = 0):
-        self._output = output
+    def __init__(self, output: TextIO | None = None, input_fd: int = 0):
+        self._output = sys.stderr if output is None else output
         self._input_fd = input_fd
         self._answers: queue.SimpleQueue[bytes] = queue.SimpleQueue()
         self._reader: threading.Thread | None = None

@@ -1,0 +1,93 @@
+"""A bench, real or simulated, open for as long as a command needs it."""
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from typing import TextIO
+
+from usmbench.cli.simulated_bench import SimulatedOperator, simulated_settings, start_testbed
+from usmbench.instruments.generator import SignalGenerator
+from usmbench.instruments.nidaq import NiSampleSource
+from usmbench.instruments.samples import SampleSource
+from usmbench.settings.bench import BenchSettings
+from usmbench.settings.bench_file import load_bench
+from usmbench.sweep.operator import Operator, TerminalOperator
+
+SIMULATED = "simulated"
+
+
+@dataclass(frozen=True, slots=True)
+class Bench:
+    """The instruments of an open bench.
+
+    Parameters
+    ----------
+    settings
+        What the bench file says.
+    generator
+        The signal generator board, identified, its drive off.
+    source
+        The encoder's samples, not yet started.
+    operator
+        Who sets the load.
+    clock
+        Seconds that pass on this bench.
+    """
+
+    settings: BenchSettings
+    generator: SignalGenerator
+    source: SampleSource
+    operator: Operator
+    clock: Callable[[], float] = time.monotonic
+
+
+@contextmanager
+def open_bench(
+    bench: str | BenchSettings,
+    *,
+    testbed_arguments: Sequence[str] = (),
+    frame_log: TextIO | None = None,
+) -> Iterator[Bench]:
+    """Open a bench; whatever happens, the drive is off when the context ends.
+
+    Parameters
+    ----------
+    bench
+        Bench file, the settings of one, or "simulated" for the embedded testbed.
+    testbed_arguments
+        Further arguments for the embedded testbed's process.
+    frame_log
+        Text stream that takes every frame on the line.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        The bench file is wrong, or the port or the card is not there.
+    usmbench.errors.BenchError
+        The board or the card does not answer.
+    """
+    with ExitStack() as stack:
+        operator: Operator = TerminalOperator()
+        if bench == SIMULATED:
+            testbed = stack.enter_context(start_testbed(["--lock-step", *testbed_arguments]))
+            settings = simulated_settings(BenchSettings(), testbed.port, testbed.daq_address)
+            operator = SimulatedOperator(testbed)
+        else:
+            settings = bench if isinstance(bench, BenchSettings) else load_bench(bench)
+        # The card first: its absence is found before the board is touched, and on the way out the
+        # drive goes off while the card still watches.
+        source = stack.enter_context(_open_source(settings))
+        generator = stack.enter_context(
+            SignalGenerator.open(settings.generator, frame_log=frame_log)
+        )
+        yield Bench(settings, generator, source, operator)
+
+
+@contextmanager
+def _open_source(settings: BenchSettings) -> Iterator[SampleSource]:
+    source = NiSampleSource(settings.daq, settings.temperature, lines=settings.encoder.lines)
+    try:
+        yield source
+    finally:
+        source.close()

@@ -1,0 +1,167 @@
+"""``usmbench sweep``: drive the testbed through a plan and write a run folder."""
+
+import argparse
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import datetime
+from pathlib import Path
+from typing import Any, TextIO
+
+from usmbench.cli.bench_session import SIMULATED, open_bench
+from usmbench.cli.sweep_run import sweep_again, sweep_new
+from usmbench.errors import InputError
+from usmbench.runs.columns import RUN_FILE
+from usmbench.runs.meta import read_meta
+from usmbench.settings.bench import BenchSettings
+from usmbench.settings.bench_file import load_bench, parse_bench
+from usmbench.settings.plan import Plan
+from usmbench.settings.plan_file import load_plan, parse_plan, shipped_plans
+from usmbench.settings.yaml_source import Source
+from usmbench.sweep.interrupts import deferred_interrupts
+from usmbench.sweep.preflight import check_plan, interlocks_of
+from usmbench.sweep.progress import ProgressLine
+from usmbench.sweep.summary import describe
+
+RUNS_FOLDER = Path("runs")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments.
+
+    Parameters
+    ----------
+    parser
+        The subcommand's parser.
+    """
+    parser.add_argument(
+        "plan",
+        metavar="PLAN.yaml",
+        nargs="?",
+        help=f"plan file, or a plan that ships: {', '.join(shipped_plans())}",
+    )
+    parser.add_argument("--bench", metavar="BENCH.yaml", help=f"bench file, or {SIMULATED}")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="run folder to make [runs/…]")
+    parser.add_argument("--dry-run", action="store_true", help="show passes, limits and duration")
+    parser.add_argument("--resume", type=Path, metavar="RUN", help="take up an interrupted run")
+    parser.add_argument("--raw", action="store_true", help="keep the counter samples in raw.h5")
+    parser.add_argument("--seed", type=int, metavar="N", help=f"seed of the {SIMULATED} bench")
+    parser.add_argument(
+        "--frame-log", type=Path, metavar="FILE", help="log every frame on the line"
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Drive a plan, or take up a run again.
+
+    Parameters
+    ----------
+    args
+        The parsed arguments.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        The arguments, the plan or the bench are wrong; nothing has moved.
+    KeyboardInterrupt
+        The user stopped the run; the drive is off and the folder closed.
+    usmbench.errors.BenchError
+        The bench failed; likewise.
+    """
+    _check_arguments(args)
+    if args.resume is not None:
+        return _resume(args)
+    plan = load_plan(args.plan)
+    settings = BenchSettings() if args.bench in (None, SIMULATED) else load_bench(args.bench)
+    check_plan(plan, settings)
+    if args.dry_run:
+        print("\n".join(describe(plan, settings, interlocks_of(plan, settings))))
+        return 0
+    folder = args.out or RUNS_FOLDER / f"{datetime.now():%Y%m%dT%H%M%S}-{plan.name}"
+    _check_absent(folder)
+    return _drive(args, args.bench, plan, folder)
+
+
+def _check_arguments(args: argparse.Namespace) -> None:
+    """Refuse arguments that do not go together."""
+    if args.resume is not None:
+        for name in ("plan", "out", "raw", "seed", "dry_run"):
+            if getattr(args, name):
+                shown = "PLAN.yaml" if name == "plan" else f"--{name.replace('_', '-')}"
+                raise InputError(f"--resume takes this from the run: leave {shown} out")
+        return
+    if args.plan is None:
+        raise InputError("no plan was named; give a plan file, or --resume RUN")
+    if args.bench is None and not args.dry_run:
+        raise InputError(f"no bench was named; give --bench BENCH.yaml or --bench {SIMULATED}")
+    if args.seed is not None and args.bench != SIMULATED:
+        raise InputError(f"--seed is for --bench {SIMULATED}; leave it out")
+
+
+def _check_absent(folder: Path) -> None:
+    if folder.exists():
+        message = "exists already; name another folder, or continue it with --resume"
+        raise InputError(message, file=folder)
+
+
+def _drive(args: argparse.Namespace, bench: str | BenchSettings, plan: Plan, folder: Path) -> int:
+    """Open the bench and drive the plan, anew or again."""
+    testbed = [] if args.seed is None else ["--seed", str(args.seed)]
+    # The guard reaches round the bench: closing it must not be cut short either.
+    with _frame_log(args.frame_log) as log, deferred_interrupts() as interrupts:
+        with open_bench(bench, testbed_arguments=testbed, frame_log=log) as opened:
+            interrupts.check()
+            with _shown(folder) as progress:
+                if args.resume is not None:
+                    sweep_again(opened, plan, folder, observer=progress)
+                else:
+                    meta = {} if args.seed is None else {"seed": args.seed}
+                    sweep_new(opened, plan, folder, raw=args.raw, meta=meta, observer=progress)
+    return 0
+
+
+@contextmanager
+def _shown(folder: Path) -> Iterator[ProgressLine]:
+    """Show the progress, and at the end, however it comes, where the rows are."""
+    progress = ProgressLine(sys.stderr)
+    try:
+        yield progress
+    finally:
+        progress.close()
+        if (folder / RUN_FILE).exists():
+            print(folder, flush=True)
+
+
+def _resume(args: argparse.Namespace) -> int:
+    folder: Path = args.resume
+    meta = read_meta(folder)
+    if meta.get("exit") == "completed":
+        raise InputError("the run is complete, there is nothing to resume", file=folder)
+    plan = parse_plan(_part(folder, meta, "plan"))
+    bench: str | BenchSettings = args.bench or parse_bench(_part(folder, meta, "bench"))
+    if isinstance(bench, BenchSettings) and bench.name == SIMULATED:
+        bench = SIMULATED
+    args.seed = meta.get("seed") if bench == SIMULATED else None
+    return _drive(args, bench, plan, folder)
+
+
+def _part(folder: Path, meta: dict[str, Any], key: str) -> Source:
+    """Return the plan or the bench of a run."""
+    if key not in meta:
+        message = f"has no {key}: only a run that sweep measured can be resumed"
+        raise InputError(message, file=folder / RUN_FILE)
+    return Source(f"{folder / RUN_FILE} ({key})", meta[key])
+
+
+@contextmanager
+def _frame_log(file: Path | None) -> Iterator[TextIO | None]:
+    if file is None:
+        yield None
+        return
+    try:
+        log = file.open("w", encoding="utf-8")
+    except OSError as error:
+        message = f"cannot be written: {error.strerror}; name another file for --frame-log"
+        raise InputError(message, file=file) from None
+    with log:
+        yield log
