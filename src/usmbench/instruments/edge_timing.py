@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 EDGES_KEPT = 16
 # (edges, degree), smoothest first; the last one passes through its edges whatever they are.
-_LADDER = ((EDGES_KEPT, 1), (8, 1), (8, 2), (5, 2), (2, 1))
+_LADDER = ((EDGES_KEPT, 1), (8, 2), (4, 2), (2, 1))
 # An edge lies within half a sample of its time stamp; the fit itself is off by a part of that.
 _RESIDUAL_MAX_SAMPLES = 0.6
 
