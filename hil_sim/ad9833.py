@@ -84,6 +84,17 @@ class Ad9833:
         """The 12-bit phase word in force."""
         return self.phase_registers[self.phase_select]
 
+    def output_hz(self, clock_hz: float) -> float:
+        """Return the frequency of what comes out while the chip runs.
+
+        Parameters
+        ----------
+        clock_hz
+            Frequency of the master clock.
+        """
+        divided = self.control & OPBITEN and not self.control & DIV2
+        return self.frequency_word * clock_hz / (1 << 2 * HALF_BITS) / (2.0 if divided else 1.0)
+
     @property
     def running(self) -> bool:
         """Whether a signal comes out: clocked, not held by RESET, and its output powered."""

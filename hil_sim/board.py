@@ -18,7 +18,6 @@ TURN_AROUND_S: Final = 20e-6
 HOST_SILENCE_S: Final = wire.HOST_SILENCE_MS / 1000.0
 FIRMWARE_VERSION: Final = (1, 0)
 _TRIPS_MAX: Final = 255
-_FAULT_OF_CAUSE: Final = {ResetCause.BROWN_OUT: Faults.BROWN_OUT, ResetCause.STACK: Faults.STACK}
 _REQUEST_FORMATS: Final = {
     kind: "<" + "".join(code for _, code in layout) for kind, layout in wire.REQUEST_LAYOUTS.items()
 }
@@ -63,12 +62,15 @@ class Board:
         self._dds = DdsPair(self._spi_log)
         self._dds.start_up(time_s)
         self._flags = Flags.NOT_IDENTIFIED
-        self._faults = _FAULT_OF_CAUSE.get(cause, Faults(0))
+        self._faults = Faults(0)
+        if cause is ResetCause.STACK:
+            self._faults = Faults.STACK
+            self._flags |= Flags.INTERNAL_FAULT
         self._reset_cause = cause
         self._silence_trips = 0
         self._last_frame_s = time_s
-        self._last_request = b""
-        self._last_reply = b""
+        self._acknowledged: tuple[bytes, bytes] | None = None
+        self._acknowledgement = b""
 
     @property
     def silence_trip_s(self) -> float:
@@ -105,8 +107,8 @@ class Board:
         self._dds.set_outputs(trip_s, on=False)
         self._flags = self._flags & ~Flags.OUTPUTS_ON | Flags.HOST_SILENCE
         self._silence_trips = min(self._silence_trips + 1, _TRIPS_MAX)
-        # A frame resent after the trip must act again, or it would be acknowledged for nothing.
-        self._last_request = b""
+        # The remembered flags are no longer true, and a request resent must act again.
+        self._acknowledged = None
         self._note_drive(trip_s)
 
     def receive(self, byte: int, time_s: float) -> None:
@@ -121,21 +123,26 @@ class Board:
         """
         self.advance(time_s)
         request = self._receiver.push(byte)
-        if request is None:
+        if request is None or request[1] & wire.ACK_BIT:
             return
         self._last_frame_s = time_s
-        if request != self._last_request or request[1] == RequestType.IDENTIFY:
-            self._last_reply = build_frame(self._answer(request, time_s))
-            self._last_request = request
-        self.replies.append((time_s + TURN_AROUND_S, self._last_reply))
+        self.replies.append((time_s + TURN_AROUND_S, self._answer(request, time_s)))
 
     def _answer(self, request: bytes, time_s: float) -> bytes:
+        """Execute a request, unless it is the repeat of the last one acknowledged."""
         sequence, kind, payload = request[0], request[1], request[2:-2]
+        sequence_and_crc = (request[:1], request[-2:])
+        if sequence_and_crc == self._acknowledged and kind != RequestType.IDENTIFY:
+            return self._acknowledgement
         try:
             body = self._execute(kind, payload, time_s)
         except _RefusedError as refused:
-            return bytes((sequence, kind | wire.REFUSAL_BITS, refused.reason, self._flags))
-        return bytes((sequence, kind | wire.ACK_BIT)) + body
+            refusal = (sequence, kind | wire.REFUSAL_BITS, refused.reason, self._flags)
+            return build_frame(bytes(refusal))
+        reply = build_frame(bytes((sequence, kind | wire.ACK_BIT)) + body)
+        self._acknowledged = None if kind == RequestType.IDENTIFY else sequence_and_crc
+        self._acknowledgement = reply
+        return reply
 
     def _execute(self, kind: int, payload: bytes, time_s: float) -> bytes:
         if kind not in _REQUEST_FORMATS:
@@ -162,10 +169,12 @@ class Board:
             if not wire.FREQUENCY_WORD_MIN <= values[0] <= wire.FREQUENCY_WORD_MAX:
                 raise _RefusedError(Refusal.FREQUENCY_OUT_OF_RANGE)
             _check_phase(values[1])
+            self._check_sound()
             self._dds.set_drive(time_s, values[0], values[1])
             self._flags |= Flags.CONFIGURED
         elif request is RequestType.SET_PHASE:
             _check_phase(values[0])
+            self._check_sound()
             self._dds.set_phase(time_s, values[0])
         elif request is RequestType.OUTPUTS:
             self._switch(values[0], time_s)
@@ -173,12 +182,18 @@ class Board:
     def _switch(self, on: int, time_s: float) -> None:
         if on > 1:
             raise _RefusedError(Refusal.BAD_VALUE)
+        if on:
+            self._check_sound()
         if on and not self._flags & Flags.CONFIGURED:
             raise _RefusedError(Refusal.NOT_CONFIGURED)
         self._dds.set_outputs(time_s, on=bool(on))
         self._flags &= ~(Flags.OUTPUTS_ON | Flags.HOST_SILENCE)
         if on:
             self._flags |= Flags.OUTPUTS_ON
+
+    def _check_sound(self) -> None:
+        if self._flags & Flags.INTERNAL_FAULT:
+            raise _RefusedError(Refusal.INTERNAL_FAULT)
 
     def _reading(self, request: RequestType) -> tuple[int, ...]:
         """Return what a reply carries behind its flags."""

@@ -6,17 +6,14 @@ from typing import Final, Literal
 from hil_sim import ad9833
 from hil_sim.ad9833 import Ad9833
 from hil_sim.signals import Drive
-from usmbench.instruments.protocol._generated import (
-    DDS_CLOCK_HZ,
-    DDS_FREQUENCY_BITS,
-    DDS_PHASE_BITS,
-)
+from usmbench.instruments.protocol._generated import DDS_CLOCK_HZ, DDS_PHASE_BITS
 
 Chips = Literal["a", "b", "ab"]
 SpiLog = Callable[[float, Chips, int], None]
 """Called with the time in seconds, the chips whose FSYNC is low, and the 16-bit word."""
 
-_HZ_PER_WORD: Final = DDS_CLOCK_HZ / (1 << DDS_FREQUENCY_BITS)
+_BASE_CONTROL: Final = ad9833.B28 | ad9833.OPBITEN | ad9833.DIV2
+# Whole frequency words, and the square wave at the full frequency.
 _PHASE_STEPS: Final = 1 << DDS_PHASE_BITS
 
 
@@ -33,7 +30,7 @@ class DdsPair:
         self.a = Ad9833()
         self.b = Ad9833()
         self._log = log
-        self._control = ad9833.B28 | ad9833.RESET
+        self._control = _BASE_CONTROL | ad9833.RESET
 
     def _write(self, time_s: float, chips: Chips, word: int) -> None:
         if self._log is not None:
@@ -55,7 +52,7 @@ class DdsPair:
         time_s
             Simulated time.
         """
-        self._write_control(time_s, ad9833.B28 | ad9833.RESET)
+        self._write_control(time_s, _BASE_CONTROL | ad9833.RESET)
         for address in ad9833.FREQUENCY_ADDRESSES:
             self._write(time_s, "ab", address)
             self._write(time_s, "ab", address)
@@ -122,7 +119,7 @@ class DdsPair:
         steps = self.b.phase_word - self.a.phase_word
         half = _PHASE_STEPS // 2
         return Drive(
-            frequency_hz=self.a.frequency_word * _HZ_PER_WORD,
+            frequency_hz=self.a.output_hz(DDS_CLOCK_HZ),
             phase_deg=((steps + half) % _PHASE_STEPS - half) * 360.0 / _PHASE_STEPS,
             amplitude_a=float(self.a.running),
             amplitude_b=float(self.b.running),
