@@ -108,15 +108,18 @@ def _drive(args: argparse.Namespace, bench: str | BenchSettings, plan: Plan, fol
     """Open the bench and drive the plan, anew or again."""
     testbed = [] if args.seed is None else ["--seed", str(args.seed)]
     # The guard reaches round the bench: closing it must not be cut short either.
-    with _frame_log(args.frame_log) as log, deferred_interrupts() as interrupts:
-        with open_bench(bench, testbed_arguments=testbed, frame_log=log) as opened:
-            interrupts.check()
-            with _shown(folder) as progress:
-                if args.resume is not None:
-                    sweep_again(opened, plan, folder, observer=progress)
-                else:
-                    meta = {} if args.seed is None else {"seed": args.seed}
-                    sweep_new(opened, plan, folder, raw=args.raw, meta=meta, observer=progress)
+    with (
+        _frame_log(args.frame_log) as log,
+        deferred_interrupts() as interrupts,
+        open_bench(bench, testbed_arguments=testbed, frame_log=log) as opened,
+    ):
+        interrupts.check()
+        with _shown(folder) as progress:
+            if args.resume is not None:
+                sweep_again(opened, plan, folder, observer=progress)
+            else:
+                meta = {} if args.seed is None else {"seed": args.seed}
+                sweep_new(opened, plan, folder, raw=args.raw, meta=meta, observer=progress)
     return 0
 
 
