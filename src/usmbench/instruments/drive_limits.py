@@ -83,6 +83,6 @@ def _check_lab(what: str, value: float, limits: Limits, unit: str, setting: str)
 
 def _beyond_board(what: str, limits: Limits, unit: str) -> str:
     return (
-        f"{what} is outside what the board takes, {limits[0]:.2f} to {limits[1]:.2f} {unit}: "
+        f"{what} is outside what the board takes, {limits[0]:.1f} to {limits[1]:.1f} {unit}: "
         "choose another"
     )
