@@ -159,7 +159,8 @@ class RunWriter:
             raise InputError("the run is complete, there is nothing to resume", file=folder)
         for key in ("exit", "stopped", "sha256"):
             meta.pop(key, None)
-        meta["resumed"] = [*meta.get("resumed", []), now_iso()]
+        before = meta.get("resumed")
+        meta["resumed"] = [*(before if isinstance(before, list) else []), now_iso()]
         columns = columns_of(folder / WINDOWS_FILE, (WINDOW_COLUMNS, WINDOW_COLUMNS_T))
         columns_of(folder / PAIRS_FILE, (PAIR_COLUMNS_WRITTEN,))
         try:

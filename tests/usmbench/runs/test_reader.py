@@ -1,0 +1,280 @@
+"""Reading runs: what was written comes back, what is missing is derived, what is wrong is named."""
+
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from usmbench.errors import InputError
+from usmbench.runs.meta import verify_sha256
+from usmbench.runs.reader import read_run
+from usmbench.runs.writer import RunWriter
+from usmbench.sweep.rows import WindowRow
+
+SETTINGS = settings(
+    deadline=None,
+    max_examples=60,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
+finite = st.floats(-1e6, 1e6)
+
+
+def csv_file(folder: Path, text: str) -> Path:
+    path = folder / "bare.csv"
+    path.write_text(text)
+    return path
+
+
+def run_folder(folder: Path, windows: str, run_yaml: str = "format: usmbench-run/1\n") -> Path:
+    (folder / "windows.csv").write_text(windows)
+    (folder / "run.yaml").write_text(run_yaml)
+    return folder
+
+
+rows = st.lists(
+    st.builds(
+        WindowRow,
+        t_s=st.just(0.0),
+        phase_deg=st.floats(-180.0, 180.0),
+        speed_rad_s=finite,
+        frequency_hz=st.floats(1.0, 1e5),
+        torque_nm=finite,
+        angle_rad=finite,
+        window_s=st.floats(1e-4, 10.0),
+        sweep=st.integers(-1, 999),
+        settled=st.integers(0, 1),
+        average_rad_s=finite,
+        drive_on=st.integers(0, 1),
+        temperature_c=st.none() | st.floats(-50.0, 150.0),
+    ),
+    min_size=1,
+    max_size=8,
+)
+
+
+@given(rows)
+@SETTINGS
+def test_what_was_written_is_read_to_twelve_digits(
+    tmp_path_factory: pytest.TempPathFactory, rows: list[WindowRow]
+) -> None:
+    folder = tmp_path_factory.mktemp("round") / "run"
+    writer = RunWriter.create(
+        folder, {"motor": "m", "encoder": {"lines": (500,)}}, temperature=True, raw=False
+    )
+    t_s = 86_400.0 + 0.01 * np.arange(len(rows))
+    for row, time_s in zip(rows, t_s.tolist(), strict=True):
+        values = {name: getattr(row, name) for name in WindowRow.__slots__}
+        writer.window(WindowRow(**values | {"t_s": time_s}))
+    writer.close("completed")
+    run = read_run(folder)
+    assert run.t_s == pytest.approx(t_s, rel=5e-12)
+    for name in ("phase_deg", "speed_rad_s", "frequency_hz", "torque_nm", "angle_rad", "window_s"):
+        written = np.array([getattr(row, name) for row in rows])
+        assert getattr(run, name) == pytest.approx(written, rel=5e-12, abs=0.0)
+    assert run.sweep is not None
+    assert run.sweep.tolist() == [row.sweep for row in rows]
+    assert run.temperature_c is not None
+    warm = [np.nan if row.temperature_c is None else row.temperature_c for row in rows]
+    assert run.temperature_c == pytest.approx(np.array(warm), rel=5e-12, nan_ok=True)
+    assert run.extra["drive_on"].tolist() == [row.drive_on for row in rows]
+    assert run.meta["encoder"] == {"lines": [500]}
+
+
+ALPHABET = st.sampled_from(list("0123456789.,-+e\n\r\"' naif_\t\0é:{}[]&*!|>%@`#xt_sphase"))
+
+
+@given(st.text(ALPHABET, max_size=60), st.text(ALPHABET, max_size=40))
+@SETTINGS
+def test_garbage_is_never_worse_than_an_input_error(
+    tmp_path_factory: pytest.TempPathFactory, garbage: str, more: str
+) -> None:
+    folder = tmp_path_factory.mktemp("garbage")
+    heads = "", "t_s,phase_deg,speed_rad_s\n", "phase_deg,speed_rad_s,note\n1,2,3\n"
+    bare = folder / "bare.csv"
+    for head in heads:
+        for text in (head + garbage, head + garbage + more):
+            bare.write_bytes(text.encode())
+            run_folder(folder, head + garbage, "format: usmbench-run/1\n" + more)
+            (folder / "pairs.csv").write_text(garbage)
+            for path in (bare, folder):
+                with suppress(InputError):
+                    assert np.all(np.isfinite(read_run(path).speed_rad_s))
+
+
+@given(st.binary(max_size=80))
+@SETTINGS
+def test_random_bytes_are_never_worse_than_an_input_error(
+    tmp_path_factory: pytest.TempPathFactory, content: bytes
+) -> None:
+    folder = tmp_path_factory.mktemp("bytes")
+    run_folder(folder, "t_s,phase_deg,speed_rad_s\n0.01,0,0\n")
+    for name in ("windows.csv", "run.yaml"):
+        whole = (folder / name).read_bytes()
+        (folder / name).write_bytes(content)
+        with pytest.raises(InputError):
+            read_run(folder)
+        (folder / name).write_bytes(whole)
+    read_run(folder)
+
+
+@given(st.integers(0, 10_000))
+@SETTINGS
+def test_a_run_cut_anywhere_is_read_to_its_last_whole_row(
+    tmp_path_factory: pytest.TempPathFactory, cut: int
+) -> None:
+    head = "t_s,phase_deg,speed_rad_s\n"
+    text = head + "".join(f"{0.01 * k:.2f},{k % 7},{0.125 * k}\n" for k in range(1, 200))
+    kept = text[: len(head) + 10 + cut % (len(text) - len(head))]
+    folder = run_folder(tmp_path_factory.mktemp("cut"), kept + "\0" * (cut % 3))
+    whole = kept.count("\n") - 1
+    if whole:
+        assert read_run(folder).speed_rad_s.tolist() == [0.125 * k for k in range(1, whole + 1)]
+    else:
+        with pytest.raises(InputError, match="no rows"):
+            read_run(folder)
+
+
+def test_a_bare_csv_gets_time_windows_and_pairs(tmp_path: Path) -> None:
+    run = read_run(csv_file(tmp_path, "phase_deg,speed_rad_s\n10,1\n10,2\n10,3\n20,5\n20,6\n20,7"))
+    assert run.t_s == pytest.approx(0.01 * np.arange(1, 7))
+    assert run.window_s == pytest.approx(np.full(6, 0.01))
+    assert run.meta == {}
+    assert run.frequency_hz is None
+    assert run.pairs is not None
+    assert run.pairs.speed_rad_s.tolist() == [2.5, 6.5]
+    assert run.pairs.n_windows.tolist() == [2.0, 2.0]
+    assert run.pairs.t_s == pytest.approx(np.array([0.03, 0.06]))
+
+
+def test_the_window_comes_from_the_best_source(tmp_path: Path) -> None:
+    timed = "t_s,phase_deg,speed_rad_s\n0.02,0,0\n0.04,0,0\n0.5,0,0\n0.52,0,0\n"
+    assert read_run(csv_file(tmp_path, timed)).window_s[0] == pytest.approx(0.02)
+    encoder = (
+        "format: usmbench-run/1\nencoder: {samples_per_average: 1000, sample_rate_hz: 200000}\n"
+    )
+    assert read_run(run_folder(tmp_path, timed, encoder)).window_s[0] == pytest.approx(0.005)
+    column = "t_s,phase_deg,speed_rad_s,window_s\n0.02,0,0,0.003\n"
+    assert read_run(run_folder(tmp_path, column, encoder)).window_s[0] == pytest.approx(0.003)
+
+
+def test_pairs_are_derived_where_they_are_missing(make_run: Callable[..., Path]) -> None:
+    folder = make_run(4)
+    measured = read_run(folder).pairs
+    (folder / "pairs.csv").unlink()
+    derived = read_run(folder).pairs
+    assert measured is not None
+    assert derived is not None
+    for name in ("phase_deg", "frequency_hz", "torque_nm", "n_windows", "direction", "t_s"):
+        assert getattr(derived, name) == pytest.approx(getattr(measured, name))
+    assert derived.speed_rad_s == pytest.approx(measured.speed_rad_s, abs=2e-3)
+
+
+def test_columns_of_the_users_own_are_kept(tmp_path: Path) -> None:
+    text = 'phase_deg,"note, mine",speed_rad_s,volts\r\n1,"cold, wet",0.5,3\r\n2,,0.6,4\r\n'
+    run = read_run(csv_file(tmp_path, text))
+    assert run.speed_rad_s.tolist() == [0.5, 0.6]
+    assert run.extra["note, mine"].tolist() == ["cold, wet", ""]
+    assert run.extra["volts"].tolist() == [3.0, 4.0]
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "says"),
+    [
+        ("phase,speed\n1,2\n", 1, "no column 'phase_deg'"),
+        ("phase_deg,speed_rad_s,phase_deg\n1,2,3\n", 1, "stands twice"),
+        ("phase_deg,speed_rad_s\n1,2\n1,fast\n", 3, "speed_rad_s is 'fast'"),
+        ("phase_deg,speed_rad_s\n1,2\n\n1,nan\n", 4, "speed_rad_s is nan"),
+        ("phase_deg,speed_rad_s\n1,2\n1,1e999\n", 3, "speed_rad_s is inf"),
+        ("phase_deg,speed_rad_s\n1,2\n1,2_0\n", 3, "'2_0', not a number"),
+        ("phase_deg,speed_rad_s\n1,2\n1\n1,2\n", 3, "1 fields"),
+        ("phase_deg,speed_rad_s,t_s\n1,2,0.1\n1,2,0.2\n1,2,0.2\n", 4, "t_s does not rise"),
+        ("phase_deg,speed_rad_s,t_s,a\n1,2,0.1,x\n1,2,0.3,y\n1,2,0.2,z\n", 4, "t_s does not rise"),
+        ("phase_deg,speed_rad_s,window_s\n1,2,0.1\n1,2,0\n", 3, "window_s is 0"),
+    ],
+)
+def test_what_is_wrong_is_named_with_its_line(
+    tmp_path: Path, text: str, line: int, says: str
+) -> None:
+    path = csv_file(tmp_path, text)
+    with pytest.raises(InputError) as caught:
+        read_run(path)
+    assert str(caught.value).startswith(f"{path}:{line}: ")
+    assert says in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("run_yaml", "says"),
+    [
+        ("format: usmbench-run/2\n", "usmbench-run/2"),
+        ("- 1\n", "no keys"),
+        ("format: usmbench-run/1\nplan: [1\n", r"run.yaml:3: not YAML"),
+        ("format: usmbench-run/1\nencoder: 7\n", "encoder must have keys"),
+        ("started: 2026-99-99\n", "not YAML"),
+        (
+            "format: usmbench-run/1\nencoder: {samples_per_average: a, sample_rate_hz: 1}\n",
+            "samples_per_average is 'a'",
+        ),
+    ],
+)
+def test_a_wrong_run_yaml_is_named(tmp_path: Path, run_yaml: str, says: str) -> None:
+    folder = run_folder(tmp_path, "t_s,phase_deg,speed_rad_s\n0.01,0,0\n", run_yaml)
+    with pytest.raises(InputError, match=says):
+        read_run(folder)
+
+
+def test_a_run_folder_needs_its_two_files(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"run\.yaml: cannot be read"):
+        read_run(tmp_path)
+    (tmp_path / "run.yaml").write_text("format: usmbench-run/1\n")
+    with pytest.raises(InputError, match=r"windows\.csv: cannot be read"):
+        read_run(tmp_path)
+    with pytest.raises(InputError, match="cannot be read"):
+        read_run(tmp_path / "absent")
+
+
+def test_changed_and_missing_data_is_seen(make_run: Callable[..., Path]) -> None:
+    folder = make_run()
+    assert verify_sha256(folder) == []
+    with (folder / "windows.csv").open("a") as file:
+        file.write("9,0,0,0,0,0,0.01,0,0,0,0,0\n")
+    (folder / "pairs.csv").unlink()
+    assert verify_sha256(folder) == ["windows.csv", "pairs.csv"]
+
+
+@pytest.mark.parametrize("name", ["../secret", "/etc/hostname", "sub/../../x", "", "a/b"])
+def test_no_file_outside_the_folder_is_touched(tmp_path: Path, name: str) -> None:
+    run_folder(tmp_path, "", f"format: usmbench-run/1\nsha256: {{{name!r}: abc}}\n")
+    with pytest.raises(InputError, match="not a file of this folder"):
+        verify_sha256(tmp_path)
+
+
+def test_a_link_out_of_the_folder_is_not_followed(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    folder.mkdir()
+    (tmp_path / "secret").write_text("x")
+    (folder / "windows.csv").symlink_to(tmp_path / "secret")
+    (folder / "run.yaml").write_text("format: usmbench-run/1\nsha256: {windows.csv: abc}\n")
+    with pytest.raises(InputError, match="not a file of this folder"):
+        verify_sha256(folder)
+
+
+def test_a_long_run_is_read_whole(tmp_path: Path) -> None:
+    t_s = 0.01 * np.arange(1, 100_001)
+    table = np.column_stack([t_s, np.floor(t_s) % 90, np.sin(t_s)])
+    np.savetxt(
+        tmp_path / "windows.csv",
+        table,
+        "%.9g",
+        ",",
+        header="t_s,phase_deg,speed_rad_s",
+        comments="",
+    )
+    (tmp_path / "run.yaml").write_text("format: usmbench-run/1\n")
+    run = read_run(tmp_path)
+    assert len(run.t_s) == 100_000
+    assert run.pairs is not None
+    assert len(run.pairs.t_s) == pytest.approx(1001, abs=1)
