@@ -136,8 +136,9 @@ set_drive:
         compare32 request + PAYLOAD + SET_DRIVE_FREQUENCY_WORD, FREQUENCY_WORD_MAX + 1
         btfsc   STATUS, C
         bra     refuse_frequency
-        lfsr    FSR0, request + PAYLOAD + SET_DRIVE_PHASE_WORD
-        rcall   phase_in_range
+        movff   request + PAYLOAD + SET_DRIVE_PHASE_WORD, new_phase
+        movff   request + PAYLOAD + SET_DRIVE_PHASE_WORD + 1, new_phase + 1
+        rcall   check_phase
         btfsc   STATUS, C
         bra     refuse_phase
         expect_no_fault
@@ -145,7 +146,6 @@ set_drive:
         movff   request + PAYLOAD + SET_DRIVE_FREQUENCY_WORD + 1, new_frequency + 1
         movff   request + PAYLOAD + SET_DRIVE_FREQUENCY_WORD + 2, new_frequency + 2
         movff   request + PAYLOAD + SET_DRIVE_FREQUENCY_WORD + 3, new_frequency + 3
-        rcall   take_phase
         bsf     flags, FLAG_CONFIGURED_BIT
         call    dds_set_drive
         bra     done
@@ -153,12 +153,12 @@ set_drive:
 set_phase:
         expect_length SET_PHASE_REQUEST_LENGTH
         expect_identified
-        lfsr    FSR0, request + PAYLOAD + SET_PHASE_PHASE_WORD
-        rcall   phase_in_range
+        movff   request + PAYLOAD + SET_PHASE_PHASE_WORD, new_phase
+        movff   request + PAYLOAD + SET_PHASE_PHASE_WORD + 1, new_phase + 1
+        rcall   check_phase
         btfsc   STATUS, C
         bra     refuse_phase
         expect_no_fault
-        rcall   take_phase
         call    dds_set_phase
         bra     done
 
@@ -252,24 +252,18 @@ acknowledge:
         movff   flags, POSTINC1
         return
 
-; C set where the phase word at FSR0 is out of range; FSR0 is left at its high byte.
-phase_in_range:
+; C set where `new_phase` is out of range.
+check_phase:
         movlw   low (-PHASE_WORD_MIN)
-        addwf   POSTINC0, W
+        addwf   new_phase, W
         movwf   scratch
         movlw   high (-PHASE_WORD_MIN)
-        addwfc  INDF0, W
+        addwfc  new_phase + 1, W
         movwf   scratch + 1
         movlw   low (PHASE_WORD_MAX - PHASE_WORD_MIN + 1)
         subwf   scratch, W
         movlw   high (PHASE_WORD_MAX - PHASE_WORD_MIN + 1)
         subwfb  scratch + 1, W
-        return
-
-; The phase word whose high byte is at FSR0.
-take_phase:
-        movff   POSTDEC0, new_phase + 1
-        movff   INDF0, new_phase
         return
 
 dds_differs:

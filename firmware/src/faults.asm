@@ -34,7 +34,8 @@ faults_init:
 stack_is_sound:
         movlw   (1 << RI) | (1 << POR) | (1 << BOR)
         iorwf   RCON, F                 ; so that the next reset shows its own cause
-        clrf    STKPTR
+        bcf     STKPTR, STKFUL          ; the rest of STKPTR is the stack pointer itself
+        bcf     STKPTR, STKUNF
         clrwdt                          ; sets TO and PD
         movlw   SUPPLY_DETECT
         movwf   HLVDCON
