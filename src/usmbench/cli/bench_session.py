@@ -1,5 +1,6 @@
 """A bench, real or simulated, open for as long as a command needs it."""
 
+import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -68,26 +69,19 @@ def open_bench(
         The board or the card does not answer.
     """
     with ExitStack() as stack:
-        operator: Operator = TerminalOperator()
+        operator: Operator = TerminalOperator(sys.stderr)
         if bench == SIMULATED:
             testbed = stack.enter_context(start_testbed(["--lock-step", *testbed_arguments]))
             settings = simulated_settings(BenchSettings(), testbed.port, testbed.daq_address)
             operator = SimulatedOperator(testbed)
         else:
             settings = bench if isinstance(bench, BenchSettings) else load_bench(bench)
-        # The card first: its absence is found before the board is touched, and on the way out the
-        # drive goes off while the card still watches.
-        source = stack.enter_context(_open_source(settings))
+        # The card first: where it is missing the board has not been touched yet, and on the way out
+        # the drive goes off while the card still watches.
+        source = stack.enter_context(
+            NiSampleSource(settings.daq, settings.temperature, lines=settings.encoder.lines)
+        )
         generator = stack.enter_context(
             SignalGenerator.open(settings.generator, frame_log=frame_log)
         )
         yield Bench(settings, generator, source, operator)
-
-
-@contextmanager
-def _open_source(settings: BenchSettings) -> Iterator[SampleSource]:
-    source = NiSampleSource(settings.daq, settings.temperature, lines=settings.encoder.lines)
-    try:
-        yield source
-    finally:
-        source.close()
