@@ -21,6 +21,10 @@ TICKS_PER_S = 2000
 """Ticks a second: 0.5 ms resolves the rotor's 3 ms and the envelopes' 0.5 ms."""
 
 _THERMAL_TICKS = 256
+# While a transient of the vibration is larger than this (relative to resonance), a tick is done in
+# so many parts.
+_COARSE_RESIDUE = 0.03
+_PARTS = 4
 # Keeps a rest from ending beyond a command through rounding, in ticks.
 _TICK_ROUNDING = 1e-4
 
@@ -166,12 +170,17 @@ class Motion:
             self._tick = end_tick
 
     def _swing(self, end_s: float, noise_nm: float) -> None:
-        """Move on to `end_s` within a tick while the vibration changes."""
-        vibration = self._stator.advance(end_s - self._now_s)
-        self._grip = self._contact.grip(vibration)
-        self._thermal.set_loss(self._now_s, self._thermal.loss_w(self._drive, vibration))
-        self._rotor.advance(self._now_s, [(end_s, noise_nm)], self._grip)
-        self._now_s = end_s
+        """Move on to `end_s` within a tick while the vibration changes, finely where it is fast."""
+        parts = 1 if self._stator.residue < _COARSE_RESIDUE else _PARTS
+        for part in range(self._tick * parts + 1, (self._tick + 1) * parts + 1):
+            part_end_s = min(part / (parts * TICKS_PER_S), end_s)
+            if part_end_s <= self._now_s:
+                continue
+            vibration = self._stator.advance(part_end_s - self._now_s)
+            self._grip = self._contact.grip(vibration)
+            self._thermal.set_loss(self._now_s, self._thermal.loss_w(self._drive, vibration))
+            self._rotor.advance(self._now_s, ((part_end_s, noise_nm),), self._grip)
+            self._now_s = part_end_s
         if self._stator.settled:
             self._regrip()
 

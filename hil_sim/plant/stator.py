@@ -18,7 +18,7 @@ from hil_sim.plant.parameters import StatorParameters
 from hil_sim.signals import Drive
 
 # A relative residue of the transient this small moves the rotor by less than its noise does.
-_SETTLED = 1e-7
+_SETTLED = 1e-5
 
 
 class Vibration(NamedTuple):
@@ -52,7 +52,7 @@ class Stator:
         self._warming_k = 0.0
         self._z_a = 0j
         self._z_b = 0j
-        self.settled = True
+        self.residue = 0.0
         self._set_targets()
 
     def set_drive(self, drive: Drive) -> None:
@@ -78,6 +78,11 @@ class Stator:
         self._set_targets()
 
     @property
+    def settled(self) -> bool:
+        """Whether the transient since the last command is over."""
+        return self.residue <= _SETTLED
+
+    @property
     def vibration(self) -> Vibration:
         """The vibration now."""
         return _vibration(self._z_a, self._z_b)
@@ -90,7 +95,7 @@ class Stator:
     @envelopes.setter
     def envelopes(self, envelopes: tuple[complex, complex]) -> None:
         self._z_a, self._z_b = envelopes
-        self.settled = self._at_target()
+        self._settle()
 
     def advance(self, duration_s: float) -> Vibration:
         """Move on and return the vibration in the middle of the step.
@@ -112,14 +117,14 @@ class Stator:
         middle = _vibration(self._target_a + off_a, self._target_b + off_b)
         self._z_a = self._target_a + off_a * half_a
         self._z_b = self._target_b + off_b * half_b
-        self.settled = self._at_target()
-        if self.settled:
-            self._z_a, self._z_b = self._target_a, self._target_b
+        self._settle()
         return middle
 
-    def _at_target(self) -> bool:
-        off = abs(self._z_a - self._target_a) + abs(self._z_b - self._target_b)
-        return off <= _SETTLED
+    def _settle(self) -> None:
+        """Take the targets where the transient is over."""
+        self.residue = abs(self._z_a - self._target_a) + abs(self._z_b - self._target_b)
+        if self.settled:
+            self._z_a, self._z_b = self._target_a, self._target_b
 
     def _set_targets(self) -> None:
         """Steady envelopes and complex rates of both modes for the drive in force."""
@@ -130,9 +135,7 @@ class Stator:
         self._rate_b, self._target_b = self._mode(
             resonance_hz + p.resonance_mismatch_hz, (1.0 + p.gain_mismatch) * u_b
         )
-        self.settled = self._at_target()
-        if self.settled:
-            self._z_a, self._z_b = self._target_a, self._target_b
+        self._settle()
 
     def _mode(self, resonance_hz: float, force: complex) -> tuple[complex, complex]:
         """Rate and steady envelope of one mode under a force."""
