@@ -17,14 +17,15 @@ from hil_sim.plant.stator import Stator
 from hil_sim.plant.thermal import HeatMeter, Thermal
 from hil_sim.signals import Drive
 
-TICKS_PER_S = 2000
-"""Ticks a second: 0.5 ms resolves the rotor's 3 ms and the envelopes' 0.5 ms."""
+TICKS_PER_S = 1000
+"""Ticks a second, fine against the rotor's 3 ms and the noise's correlation time."""
 
-_THERMAL_TICKS = 256
-# While a transient of the vibration is larger than this (relative to resonance), a tick is done in
-# so many parts.
-_COARSE_RESIDUE = 0.03
-_PARTS = 4
+_THERMAL_TICKS = 128
+# The envelopes' 0.5 ms need finer steps: parts of a tick while their transient is larger than the
+# given size (relative to resonance), and parts until it is over.
+_FAST_RESIDUE = 0.03
+_FAST_PARTS = 8
+_SLOW_PARTS = 2
 # Keeps a rest from ending beyond a command through rounding, in ticks.
 _TICK_ROUNDING = 1e-4
 
@@ -170,8 +171,8 @@ class Motion:
             self._tick = end_tick
 
     def _swing(self, end_s: float, noise_nm: float) -> None:
-        """Move on to `end_s` within a tick while the vibration changes, finely where it is fast."""
-        parts = 1 if self._stator.residue < _COARSE_RESIDUE else _PARTS
+        """Move on to `end_s` within a tick, in parts, while the vibration changes."""
+        parts = _FAST_PARTS if self._stator.residue > _FAST_RESIDUE else _SLOW_PARTS
         for part in range(self._tick * parts + 1, (self._tick + 1) * parts + 1):
             part_end_s = min(part / (parts * TICKS_PER_S), end_s)
             if part_end_s <= self._now_s:
