@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import chain
 from typing import Protocol
 
 import numpy as np
@@ -135,11 +136,17 @@ class SweepController:
             The board, the card, the disk or an interlock stopped it.
         """
         self._windows_left = n_windows
+        remaining = iter(dwells)
+        first = next(remaining, None)
+        if first is None:
+            return
+        at_rest = Setting(frequency_hz=first.frequency_hz, torque_nm=first.torque_nm)
+        self._commands.begin(at_rest)
         with deferred_interrupts() as self._interrupts:
             try:
                 self._instruments.source.start()
                 self._rest(WINDOWS_BEFORE)
-                for dwell in dwells:
+                for dwell in chain([first], remaining):
                     self._hold(dwell)
                 self._commands.rest()
                 self._rest(windows_after(self._interlock_settings, self._window_s))

@@ -68,6 +68,16 @@ class CommandedDrive:
         self._complete_at = 0
         self._last_contact = 0
 
+    def begin(self, at_rest: Setting) -> None:
+        """Say what the rows before the first command are to carry.
+
+        Parameters
+        ----------
+        at_rest
+            The operating point to come, without drive.
+        """
+        self._commanded = self._in_force = at_rest
+
     @property
     def complete_at(self) -> int:
         """Number of samples that the card had taken when the last command was acknowledged."""
@@ -113,7 +123,7 @@ class CommandedDrive:
         last = self._commanded
         before = self._source.samples_acquired()
         self._control.off()
-        if last.frequency_hz:
+        if last.drive_on:
             self._control.set_drive(last.frequency_hz, 0.0)
         self._note(replace(last, phase_deg=0.0, drive_on=0), before)
 
