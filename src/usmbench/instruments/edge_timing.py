@@ -5,9 +5,9 @@ p and p + 1. An edge between samples k - 1 and k is the crossing of a known boun
 k - 1/2 ± 1/2 samples: in position exact, in time uniform over one sample. So time is fitted as a
 polynomial in position over the last edges, and asked when the next boundary is due.
 
-The smoothest polynomial is taken that passes through the sampling interval of every edge it uses:
-a long straight line at constant speed, where it averages the sampling error out, a short parabola
-or the last two edges alone where the speed changes, so that older motion does not bias this window.
+The smoothest polynomial is taken that leaves no more than the sampling error: a long straight line
+at constant speed, where that error averages out, a short parabola or the last two edges alone where
+the speed changes, so that older motion does not bias this window.
 """
 
 from functools import cache
@@ -17,36 +17,34 @@ import numpy as np
 from numpy.typing import NDArray
 
 EDGES_KEPT = 16
-# (edges, degree), smoothest first; the last one passes through its edges whatever they are.
-_LADDER = ((EDGES_KEPT, 1), (8, 2), (4, 2), (2, 1))
-# An edge lies within half a sample of its time stamp; the fit itself is off by a part of that.
-_RESIDUAL_MAX_SAMPLES = 0.6
+# (edges, degree), smoothest first; where none fits, the last two edges alone tell the speed.
+_LADDER = ((EDGES_KEPT, 1), (8, 2), (4, 2))
+# Time stamps are off by up to half a sample, 1/12 in mean square; fits up to this many times
+# worse are taken to be the sampling, worse ones the motion.
+_MISFIT_MAX = 2.5
 
 
 @cache
 def _least_squares(n_edges: int, degree: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the basis (n, d + 1) on edges 1 - n … 0 and its pseudo-inverse (d + 1, n)."""
+    """Return what makes coefficients (d + 1) and residuals (n) of the times of edges 1 - n … 0."""
     basis = np.vander(np.arange(1.0 - n_edges, 1.0), degree + 1, increasing=True)
-    return basis, np.linalg.pinv(basis)
+    coefficients = np.linalg.pinv(basis)
+    return coefficients, basis @ coefficients - np.eye(n_edges)
 
 
 def _fit(since_last: NDArray[np.float64]) -> tuple[float, float, float]:
     """Return c0, c1, c2 of time = c0 + c1 s + c2 s², s counts after the last edge."""
-    previous = None
     for n_edges, degree in _LADDER:
-        n_used = min(n_edges, len(since_last))
-        if n_used <= degree or (n_used, degree) == previous:
+        times = since_last[-n_edges:]
+        spare = len(times) - degree - 1
+        if spare <= 0:
             continue
-        previous = n_used, degree
-        times = since_last[-n_used:]
-        basis, inverse = _least_squares(n_used, degree)
-        coefficients = inverse @ times
-        residual = basis @ coefficients
-        residual -= times
-        if max(residual.max(), -residual.min()) <= _RESIDUAL_MAX_SAMPLES:
-            break
-    c0, c1, *rest = coefficients.tolist()
-    return c0, c1, rest[0] if rest else 0.0
+        coefficients, residuals = _least_squares(len(times), degree)
+        residual = residuals @ times
+        if residual @ residual <= _MISFIT_MAX / 12.0 * spare:
+            c0, c1, *c2 = (coefficients @ times).tolist()
+            return c0, c1, c2[0] if c2 else 0.0
+    return 0.0, float(since_last[-1] - since_last[-2]), 0.0
 
 
 def fraction_passed(edge_samples: NDArray[np.float64], sample: float) -> float:

@@ -149,13 +149,13 @@ def decode(
     where, steps = _edges(state.last_count, counts, geometry.counter_bits)
     # Edge k lies between samples k - 1 and k of the block.
     times: NDArray[np.float64] = where + np.float64(block.first_sample - 0.5)
-    moved = int(steps.sum())
+    moved = sum(steps)
     position = state.position + moved
     edge_samples, edge_step = _latest_run(state, times, steps)
     end_sample = block.first_sample + n_samples - 1
     estimate = _estimate(state, position, edge_samples, edge_step, end_sample)
     begin = state.estimate
-    if first and len(steps):
+    if first and steps:
         begin = _backwards(times, steps, block.first_sample)
     steady, pulses, index, error = _index(state, block, where, steps, geometry)
     duration_s = (n_samples - first) / geometry.sample_rate_hz
@@ -190,29 +190,30 @@ def _begin(block: SampleBlock) -> EncoderState:
 
 def _edges(
     last_count: int, counts: NDArray[np.int64], counter_bits: int
-) -> tuple[NDArray[np.intp], NDArray[np.int64]]:
+) -> tuple[NDArray[np.intp], list[int]]:
     """Return where in the block the counter changed, and by how much, wraps undone."""
-    where = np.flatnonzero(counts[1:] != counts[:-1]) + 1
+    change = counts[1:] - counts[:-1]
+    where = np.flatnonzero(change)
+    changes = change[where]
+    where += 1
     if counts[0] != last_count:
         where = np.concatenate(([0], where))
-    before = counts[where - 1]
-    if len(where) and where[0] == 0:
-        before[0] = last_count
+        changes = np.concatenate(([counts[0] - last_count], changes))
     half = 1 << (counter_bits - 1)
-    steps = ((counts[where] - before + half) & (2 * half - 1)) - half
+    steps: list[int] = (((changes + half) & (2 * half - 1)) - half).tolist()
     return where, steps
 
 
 def _latest_run(
-    state: EncoderState, times: NDArray[np.float64], steps: NDArray[np.int64]
+    state: EncoderState, times: NDArray[np.float64], steps: list[int]
 ) -> tuple[NDArray[np.float64], int]:
     """Return the last edges that went one way count by count, at most `EDGES_KEPT`."""
-    if not len(steps):
+    if not steps:
         return state.edge_samples, state.edge_step
-    step = int(steps[-1])
+    step = steps[-1]
     if abs(step) != 1:
         return _NO_EDGES, 0
-    recent = steps[-EDGES_KEPT:].tolist()
+    recent = steps[-EDGES_KEPT:]
     n = 1
     while n < len(recent) and recent[-1 - n] == step:
         n += 1
@@ -243,12 +244,12 @@ def _estimate(
     return crossed + edge_step * fraction
 
 
-def _backwards(times: NDArray[np.float64], steps: NDArray[np.int64], first_sample: int) -> float:
+def _backwards(times: NDArray[np.float64], steps: list[int], first_sample: int) -> float:
     """Return the position at the run's first sample, estimated from the edges after it."""
-    step = int(steps[0])
+    step = steps[0]
     if abs(step) != 1:
         return 0.5
-    recent = steps[:EDGES_KEPT].tolist()
+    recent = steps[:EDGES_KEPT]
     n = 1
     while n < len(recent) and recent[n] == step:
         n += 1
@@ -260,7 +261,7 @@ def _index(
     state: EncoderState,
     block: SampleBlock,
     where: NDArray[np.intp],
-    steps: NDArray[np.int64],
+    steps: list[int],
     geometry: EncoderGeometry,
 ) -> tuple[int | None, int, IndexState, int | None]:
     """Return the direction since the last pulse, the pulse count, the index state and error."""
@@ -270,26 +271,28 @@ def _index(
     at = int(np.searchsorted(block.index_counts, pulses))
     upto = int(np.searchsorted(where, at, side="right"))
     steady = _direction(state.steady, steps[:upto])
-    direction = int(np.sign(steps[upto - 1])) if upto else state.edge_step
+    step = steps[upto - 1] if upto else 0
+    direction = (step > 0) - (step < 0) or state.edge_step
     after = _direction(0, steps[upto:])
     if not direction:
         return after, pulses, state.index, None
     passed = IndexPass(
-        position=state.position + int(steps[:upto].sum()),
+        position=state.position + sum(steps[:upto]),
         direction=direction,
         pulses=pulses - state.pulses,
         steady=steady == direction,
-        step=int(steps[upto - 1]) if upto else 0,
+        step=step,
     )
     index, error = check_index(state.index, passed, geometry.counts_per_rev)
     return after, pulses, index, error
 
 
-def _direction(before: int | None, steps: NDArray[np.int64]) -> int | None:
+def _direction(before: int | None, steps: list[int]) -> int | None:
     """Return the one direction of the steps and of those before, 0 for none, None for both."""
-    if not len(steps) or before is None:
+    if not steps or before is None:
         return before
-    low, high = int(steps.min()), int(steps.max())
+    different = set(steps)
+    low, high = min(different), max(different)
     if low < 0 < high:
         return None
     direction = 1 if high > 0 else -1
