@@ -50,9 +50,15 @@ def check(source: Source, name: str) -> None:
     """
     faults = [_fault(_innermost(e)) for e in _validator(name).iter_errors(source.document)]
     if faults:
-        # The format is named first: every other error of an alien file is a consequence.
-        first = min(faults, key=lambda f: (f.path != ("format",), source.lines.get(f.path, 0)))
+        # The format is named first: every other error of an alien file is a consequence. A key that
+        # is missing may be the one that was misspelt, so the unknown key goes before.
+        first = min(faults, key=lambda fault: _rank(source, fault))
         raise source.error(first.path, _MESSAGES.get(first.keyword, _other)(first))
+
+
+def _rank(source: Source, fault: _Fault) -> tuple[bool, int, bool]:
+    line = source.lines.get(fault.path, 0)
+    return fault.path != ("format",), line, fault.keyword == "required"
 
 
 def _fault(error: ValidationError) -> _Fault:
