@@ -68,7 +68,7 @@ def make_image(memory: dict[int, int]) -> dict[int, int]:
         Byte at each address of the whole flash and the configuration.
     """
     image = {address: BRANCH_TO_ITSELF[address % 2] for address in range(FLASH_BYTES)}
-    image |= {address: ERASED for address in range(CONFIG_START, CONFIG_END)}
+    image |= dict.fromkeys(range(CONFIG_START, CONFIG_END), ERASED)
     return image | memory
 
 

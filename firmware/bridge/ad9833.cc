@@ -1,7 +1,6 @@
 #include "ad9833.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <string>
 
 #include "log.h"
@@ -15,7 +14,7 @@ void Ad9833::need(const char *what, uint64_t since, uint64_t &shortest) {
         log_event(std::string("\"error\": \"chip ") + name_ + ": no time for " + what + "\"");
 }
 
-void Ad9833::fsync(bool level, bool clock_level) {
+bool Ad9833::fsync(bool level, bool clock_level) {
     if (!level) {
         selected_ = true;
         bits_ = 0;
@@ -24,19 +23,17 @@ void Ad9833::fsync(bool level, bool clock_level) {
         if (!clock_level)
             log_event(std::string("\"error\": \"chip ") + name_ + ": FSYNC fell with SCLK low\"");
         need("SCLK high to FSYNC", clock_rose_, times_.clock_to_fsync);
-        return;
+        return false;
     }
-    if (!selected_) return;
+    if (!selected_) return false;
     selected_ = false;
-    char fields[96];
-    if (bits_ == 16) {
-        need("FSYNC hold", clock_fell_, times_.fsync_hold);
-        snprintf(fields, sizeof fields, "\"chip\": \"%c\", \"word\": %u, \"latched\": %llu", name_, word_,
-                 static_cast<unsigned long long>(latched_));
-    } else {
-        snprintf(fields, sizeof fields, "\"error\": \"chip %c: %u bits in a word\"", name_, bits_);
+    if (bits_ != 16) {
+        log_event(std::string("\"error\": \"chip ") + name_ + ": " + std::to_string(bits_) +
+                  " bits in a word\"");
+        return false;
     }
-    log_event(fields);
+    need("FSYNC hold", clock_fell_, times_.fsync_hold);
+    return true;
 }
 
 void Ad9833::clock(bool level, bool data_level) {

@@ -18,10 +18,14 @@ class Ad9833 {
 public:
     explicit Ad9833(char name) : name_(name) {}
 
-    void fsync(bool level, bool clock_level);
+    // True where a whole word came in.
+    bool fsync(bool level, bool clock_level);
     void clock(bool level, bool data_level);
     void data();
 
+    bool selected() const { return selected_; }
+    unsigned word() const { return word_; }
+    uint64_t latched() const { return latched_; }  // cycle of its last bit
     const BusTimes &times() const { return times_; }
 
 private:

@@ -4,7 +4,8 @@
 //   bridge IMAGE.hex          as fast as it can, under the commands on standard input:
 //       send HEX [CYCLE]      bytes for the board, from now on or from a cycle on
 //       run CYCLE             go on to that cycle
-//       answer CYCLE          go on until the board has sent a zero byte, or to that cycle
+//       answer CYCLE          go on until the board has sent a zero byte; or, where it is not
+//                             sending, to that cycle
 //       reset CAUSE           power_on, brown_out, external, watchdog, ...
 //       register ADDRESS VALUE    as a disturbance would: both in hexadecimal
 //       goto ADDRESS          the same with the program counter
@@ -34,6 +35,13 @@
 
 namespace {
 
+constexpr uint64_t kLongestReply = 50 * 10 * kCyclesPerBit;
+
+void log_word(const std::string &chips, const Ad9833 &chip) {
+    log_event("\"chips\": \"" + chips + "\", \"word\": " + std::to_string(chip.word()) +
+              ", \"latched\": " + std::to_string(chip.latched()));
+}
+
 struct Board {
     explicit Board(const std::string &image)
         : pic(image),
@@ -46,8 +54,19 @@ struct Board {
           sdata("sdata", {pic.port_pin('c', 5), pic.port_pin('c', 4)}, Wire::Pull::kDown),
           sync("sync", {pic.port_pin('b', 0)}, Wire::Pull::kDown),
           a('a'), b('b'), sender(rx), receiver(tx) {
-        fsync_a.watch([this](bool level) { a.fsync(level, sclk.level()); });
-        fsync_b.watch([this](bool level) { b.fsync(level, sclk.level()); });
+        // RC0 and RC1 rise one after the other within one instruction: a word for both is one line.
+        fsync_a.watch([this](bool level) {
+            if (!a.fsync(level, sclk.level())) return;
+            a_waits = b.selected();
+            if (!a_waits) log_word("a", a);
+        });
+        fsync_b.watch([this](bool level) {
+            if (!b.fsync(level, sclk.level())) return;
+            const bool same = a_waits && a.latched() == b.latched();
+            if (a_waits && !same) log_word("a", a);
+            log_word(same ? "ab" : "b", b);
+            a_waits = false;
+        });
         sclk.watch([this](bool level) {
             a.clock(level, sdata.level());
             b.clock(level, sdata.level());
@@ -62,6 +81,7 @@ struct Board {
     Ad9833 a, b;
     HostSender sender;
     HostReceiver receiver;
+    bool a_waits = false;
 };
 
 void log_measured(Board &board) {
@@ -85,10 +105,11 @@ void send_hex(Board &board, const std::string &hex, uint64_t cycle) {
 }
 
 void answer(Board &board, uint64_t cycle) {
-    board.receiver.received.clear();
-    while (now() < cycle) {
-        board.pic.run_until(std::min(cycle, now() + kCyclesPerBit));
-        if (!board.receiver.received.empty() && board.receiver.received.back() == 0) return;
+    auto &received = board.receiver.received;
+    received.clear();
+    while (now() < cycle || (!received.empty() && now() < cycle + kLongestReply)) {
+        board.pic.run_until(now() + kCyclesPerBit);
+        if (!received.empty() && received.back() == 0) return;
     }
 }
 
