@@ -3,15 +3,20 @@
 import argparse
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
 
+from hil_sim.board import Board
 from hil_sim.control import run_until_stopped
 from hil_sim.fault_entries import parse_fault, read_faults
 from hil_sim.faults import FaultKind, FaultSchedule
+from hil_sim.gpsim_board import GpsimBoard
+from hil_sim.gpsim_bridge import GpsimBridge
 from hil_sim.plant import MotorPlant
 from hil_sim.running import RunningTestbed
+from hil_sim.testbed import BoardMachine
 from usmbench.errors import UsmbenchError
 
 # The pseudo-terminal's thread must get its turn within a byte's time, whatever the others compute.
@@ -28,6 +33,12 @@ def _parser() -> argparse.ArgumentParser:
         "--lock-step",
         action="store_true",
         help="move time with the samples read, as fast as they are, instead of with the clock",
+    )
+    parser.add_argument(
+        "--board",
+        choices=("emulated", "gpsim"),
+        default="emulated",
+        help="the board as a model, or its very firmware run in gpsim (build it: make -C firmware)",
     )
     parser.add_argument("--load", type=float, default=0.0, metavar="NM", help="load torque in N·m")
     parser.add_argument(
@@ -47,6 +58,16 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
+@contextmanager
+def _board(kind: str) -> Iterator[BoardMachine]:
+    """Give the board asked for, and end its processor after use."""
+    if kind == "emulated":
+        yield Board()
+    else:
+        with GpsimBridge() as bridge:
+            yield GpsimBoard(bridge)
+
+
 def _run(arguments: argparse.Namespace) -> None:
     faults = [parse_fault(text) for text in arguments.fault]
     if arguments.fault_file is not None:
@@ -54,7 +75,10 @@ def _run(arguments: argparse.Namespace) -> None:
     plant = MotorPlant(seed=arguments.seed)
     schedule = FaultSchedule(faults)
     sys.setswitchinterval(_SWITCH_INTERVAL_S)
-    with RunningTestbed(plant, schedule, lock_step=arguments.lock_step) as running:
+    with (
+        _board(arguments.board) as board,
+        RunningTestbed(plant, schedule, lock_step=arguments.lock_step, board=board) as running,
+    ):
         running.testbed.set_load(arguments.load)
         if arguments.json:
             print(json.dumps({"port": running.port, "daq": running.daq_address}), flush=True)

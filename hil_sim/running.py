@@ -7,7 +7,7 @@ from hil_sim.faults import FaultSchedule
 from hil_sim.ni_server import serve
 from hil_sim.pty_edge import PtyEdge
 from hil_sim.sample_feed import SampleFeed
-from hil_sim.testbed import FaultablePlant, Testbed
+from hil_sim.testbed import BoardMachine, FaultablePlant, Testbed
 
 
 class RunningTestbed:
@@ -21,6 +21,8 @@ class RunningTestbed:
         What goes wrong, and when.
     lock_step
         Whether time moves only with the samples read, instead of with the wall clock.
+    board
+        The signal generator board, where it is not the emulated one.
 
     Attributes
     ----------
@@ -38,8 +40,9 @@ class RunningTestbed:
         faults: FaultSchedule | None = None,
         *,
         lock_step: bool = False,
+        board: BoardMachine | None = None,
     ):
-        self.testbed = Testbed(plant, faults)
+        self.testbed = Testbed(plant, faults, board=board)
         clock: Clock = LockStep(self.testbed) if lock_step else RealTime()
         self._feed = SampleFeed(self.testbed, clock)
         self._server = serve(self._feed, lock_step=lock_step, faults=self.testbed.faults)

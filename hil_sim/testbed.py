@@ -9,11 +9,11 @@ from collections.abc import Callable
 from typing import Final, Literal, Protocol
 
 from hil_sim.board import Board
-from hil_sim.dds_pair import SpiLog
 from hil_sim.faults import FaultKind, FaultSchedule
 from hil_sim.line import Arrival, Line
 from hil_sim.signals import Drive, Plant, Samples
 from usmbench.errors import InputError
+from usmbench.instruments.protocol._generated import ResetCause
 
 HISTORY_LENGTH: Final = 10_000
 """Drive changes kept: a day of them would not stay in memory."""
@@ -31,6 +31,30 @@ class FaultablePlant(Plant, Protocol):
         """Hold one encoder channel at its level from `time_s` on, or neither."""
 
 
+class BoardMachine(Protocol):
+    """The signal generator board, emulated or its firmware in gpsim.
+
+    Attributes
+    ----------
+    replies
+        What it has said since the list was last emptied: start of the first byte, and the bytes.
+    drive_changes
+        Drive voltages since the list was last emptied: the instant, and what holds from then on.
+    """
+
+    replies: list[tuple[float, bytes]]
+    drive_changes: list[tuple[float, Drive]]
+
+    def advance(self, time_s: float) -> None:
+        """Let time pass until `time_s`."""
+
+    def receive(self, byte: int, time_s: float) -> None:
+        """Take a byte that ends at `time_s`."""
+
+    def reset(self, time_s: float, cause: ResetCause) -> None:
+        """Restart at `time_s`, as by `cause`."""
+
+
 class Testbed:
     """The simulated testbed. Every method may be called from any thread.
 
@@ -40,8 +64,8 @@ class Testbed:
         Motor, disc and sensor.
     faults
         What goes wrong, and when.
-    spi_log
-        Told of every word written to the generators, where given.
+    board
+        The signal generator board, where it is not the emulated one.
 
     Attributes
     ----------
@@ -59,12 +83,12 @@ class Testbed:
         plant: FaultablePlant,
         faults: FaultSchedule | None = None,
         *,
-        spi_log: SpiLog | None = None,
+        board: BoardMachine | None = None,
     ):
         self.faults = FaultSchedule() if faults is None else faults
         self.drive_history: deque[tuple[float, Drive]] = deque(maxlen=HISTORY_LENGTH)
         self._plant = plant
-        self._board = Board(spi_log=spi_log)
+        self._board: BoardMachine = Board() if board is None else board
         self._to_board = Line("to_board", self.faults)
         self._to_host = Line("to_host", self.faults)
         self._resets = deque(self.faults.of(FaultKind.BOARD_RESET))
