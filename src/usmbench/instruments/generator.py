@@ -6,7 +6,7 @@ from functools import partial
 from types import TracebackType
 from typing import Final, Self, TextIO
 
-from usmbench.errors import BenchError, InputError, PortError
+from usmbench.errors import BenchError, InputError, PortError, UsmbenchError
 from usmbench.instruments import dds
 from usmbench.instruments.board import Board
 from usmbench.instruments.board_link import DRIVE_STOPS, BoardLink
@@ -251,33 +251,32 @@ class SignalGenerator:
     ) -> None:
         try:
             self._leave_off(error)
+        except KeyboardInterrupt:
+            # An impatient second Ctrl-C must not leave the drive on.
+            self._leave_off(error)
+            raise
         finally:
             self.close()
 
     def _leave_off(self, error: BaseException | None) -> None:
         """Switch off, several times if need be; the error under way stays the one that is seen."""
-        failure: BaseException | None = None
-        interrupt: KeyboardInterrupt | None = None
+        failure: UsmbenchError | None = None
         for _ in range(_OFF_ATTEMPTS):
             try:
                 self._switch_off(failure)
-            except KeyboardInterrupt as impatience:
-                # A second Ctrl-C must not leave the drive on.
-                failure = interrupt = impatience
             except (BenchError, InputError) as problem:
                 failure = problem
             else:
                 failure = None
                 break
-        if failure is not None and error is not None and not isinstance(error, KeyboardInterrupt):
-            error.add_note(f"switching the outputs off failed: {failure}; {DRIVE_STOPS}")
-        elif failure is not None:
+        if failure is None:
+            return
+        if error is None or isinstance(error, KeyboardInterrupt):
             # "Stopped by the user" would claim that the drive is known to be off.
             raise failure
-        elif error is None and interrupt is not None:
-            raise interrupt
+        error.add_note(f"switching the outputs off failed: {failure}; {DRIVE_STOPS}")
 
-    def _switch_off(self, failure: BaseException | None) -> None:
+    def _switch_off(self, failure: UsmbenchError | None) -> None:
         """Switch off, over a port opened anew where it had gone."""
         if isinstance(failure, PortError):
             self.reconnect()

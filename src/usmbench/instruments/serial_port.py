@@ -22,8 +22,5 @@ class SerialPort(Protocol):
     def write(self, data: bytes, /) -> int | None:
         """Send bytes; `OSError` (pyserial's SerialException is one) where the port is gone."""
 
-    def reset_input_buffer(self) -> None:
-        """Forget what was received and not read."""
-
     def close(self) -> None:
         """Release the port."""

@@ -58,9 +58,6 @@ class ScriptedPort:
         del self._input[:size]
         return data
 
-    def reset_input_buffer(self) -> None:
-        self._input.clear()
-
     def close(self) -> None:
         self.closed = True
 
