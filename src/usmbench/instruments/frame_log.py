@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from typing import TextIO
 
+from usmbench.errors import BenchError
 from usmbench.instruments.protocol.frames import Frame
 from usmbench.instruments.protocol.messages import describe
 
@@ -58,4 +59,9 @@ class FrameLog:
     def _line(self, direction: str, data: bytes, meanings: Sequence[str]) -> None:
         time_s = self._clock() - self._start_s
         line = f"{time_s:12.6f} {direction} {data.hex(' ')}  {'; '.join(meanings)}"
-        self._stream.write(line.rstrip() + "\n")
+        try:
+            self._stream.write(line.rstrip() + "\n")
+        except OSError as error:
+            raise BenchError(
+                f"the frame log cannot be written ({error}): make room, or leave it out"
+            ) from error

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from usmbench.errors import (
+    BenchError,
     BoardError,
     BoardRefusedError,
     BoardResetError,
@@ -427,6 +428,25 @@ def test_the_frame_log_has_every_exchange(port: Any) -> None:
     assert lines[-4].endswith("set_phase sequence=3 phase_word=512")
     assert lines[-3] == "    0.050000 < 05 00  bad frames: 1"
     assert lines[-1].endswith("ack set_phase sequence=3 flags=outputs_on|configured")
+
+
+def test_a_frame_log_without_room_does_not_keep_the_drive_on(port: Any) -> None:
+    class Full(io.StringIO):
+        full = False
+
+        def write(self, text: str) -> int:
+            if self.full:
+                raise OSError(28, "No space left on device")
+            return super().write(text)
+
+    log = Full()
+    generator = connect(port, frame_log=log)
+    log.full = True
+    # Each attempt reaches the board before its line cannot be written.
+    port.expect(off(3), off(4, resend=True), off(5, resend=True))
+    with pytest.raises(BenchError, match="No space left"), generator:
+        pass
+    assert port.closed
 
 
 def test_after_256_requests_the_sequence_starts_over(generator: SignalGenerator, port: Any) -> None:
