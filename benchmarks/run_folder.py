@@ -89,9 +89,7 @@ def main() -> None:
         wall_s, cpu_s = time.perf_counter() - wall_s, time.process_time() - cpu_s
     print(f"append a window:            {window_s * 1e6:.1f} µs of CPU")
     print(f"end a dwell, two files forced to disk: {pair_s * 1e3:.2f} ms")
-    print(
-        f"read {len(run.t_s)} windows, {size_mb:.0f} MB: {cpu_s:.2f} s of CPU, {wall_s:.2f} s in all"
-    )
+    print(f"read {len(run.t_s)} windows, {size_mb:.0f} MB: {cpu_s:.2f} s of CPU, {wall_s:.2f} s")
 
 
 if __name__ == "__main__":

@@ -16,12 +16,12 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-EDGES_KEPT = 16
+EDGES_KEPT = 48
 # (edges, degree), smoothest first; where none fits, the last two edges alone tell the speed.
 _LADDER = ((EDGES_KEPT, 1), (8, 2), (4, 2))
 # Time stamps are off by up to half a sample, 1/12 in mean square; fits up to this many times
 # worse are taken to be the sampling, worse ones the motion.
-_MISFIT_MAX = 2.5
+_MISFIT_MAX = 1.8
 
 
 @cache
