@@ -1,6 +1,6 @@
 """What is refused before anything moves: a plan beyond the limits of the lab or the board."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import fields, replace
 
 from usmbench.errors import InputError
@@ -22,7 +22,7 @@ from usmbench.settings.bench import BenchSettings, InterlockSettings
 from usmbench.settings.plan import Excitation, Plan
 from usmbench.settings.yaml_source import PathInDocument, Source
 from usmbench.sweep.excitation import check_excitation
-from usmbench.sweep.schedule import HOLD_SETTLE
+from usmbench.sweep.schedule import HOLD_SETTLE, Dwell
 from usmbench.sweep.summary import longest_drive_s
 
 # What a board with this version's firmware says of itself: checked before one is asked.
@@ -86,6 +86,34 @@ def check_plan(plan: Plan, bench: BenchSettings, board: Identity = NOMINAL_BOARD
         _check_hold(plan.excitation, plan.source)
         check_excitation(plan.excitation, bench.window_s, plan.source)
     _check_drive_time(plan, bench)
+
+
+def check_dwells(dwells: Iterable[Dwell], bench: BenchSettings, board: Identity, name: str) -> None:
+    """Refuse dwells, taken from somewhere else than a plan, that this bench may not drive.
+
+    Parameters
+    ----------
+    dwells
+        The schedule.
+    bench
+        The bench, with the limits of the lab.
+    board
+        What the board said of itself.
+    name
+        Where the dwells come from, for the message.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        A dwell is beyond a limit.
+    """
+    limits = DriveLimits(bench.generator.frequency_limits_hz, bench.generator.phase_limits_deg)
+    try:
+        for dwell in dwells:
+            limits.frequency_word(dwell.frequency_hz, board)
+            limits.phase_word(dwell.phase_deg, board)
+    except InputError as error:
+        raise InputError(str(error), file=name) from None
 
 
 def _refuse_beyond(

@@ -1,0 +1,85 @@
+"""The commands of a run as a schedule, to be driven again."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.errors import InputError
+from usmbench.runs.record import Column, Record
+from usmbench.settings.plan import Settle
+from usmbench.sweep.schedule import HOLD_SETTLE, WARM_UP, Dwell
+
+# A run without these columns was driven as the paper's first figure was.
+DEFAULT_FREQUENCY_HZ = 41_000.0
+DEFAULT_TORQUE_NM = 0.0
+
+
+def recorded_dwells(record: Record, window_s: float) -> list[Dwell]:
+    """Return the dwells of a run: stretches of driven windows with the same command.
+
+    Parameters
+    ----------
+    record
+        The run. Rows without drive are left out; the sweep rests by itself before and after.
+    window_s
+        Duration of a window on the bench that is to drive them; each dwell keeps its duration.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        No row of the run was driven.
+    """
+    rows = np.flatnonzero(_driven(record))
+    if rows.size == 0:
+        raise InputError("no window was driven; there is nothing to replay", file=record.name)
+    dwells: list[Dwell] = []
+    direction = 1
+    for stretch in np.split(rows, _changes(record, rows)):
+        first = int(stretch[0])
+        phase_deg = float(record.phase_deg[first])
+        if dwells and phase_deg != dwells[-1].phase_deg:
+            direction = 1 if phase_deg > dwells[-1].phase_deg else -1
+        windows = max(1, round(float(record.window_s[stretch].sum()) / window_s))
+        sweep = 0 if record.sweep is None else int(record.sweep[first])
+        dwells.append(
+            Dwell(
+                number=len(dwells) if sweep >= 0 else WARM_UP,
+                sweep=sweep,
+                phase_deg=phase_deg,
+                frequency_hz=_at(record.frequency_hz, first, DEFAULT_FREQUENCY_HZ),
+                torque_nm=_at(record.torque_nm, first, DEFAULT_TORQUE_NM),
+                direction=direction,
+                windows=windows,
+                extend_to_windows=windows,
+                settle=_settle(windows) if sweep >= 0 else None,
+            )
+        )
+    return dwells
+
+
+def _driven(record: Record) -> NDArray[np.bool_]:
+    """Return which windows were driven."""
+    drive_on = record.extra.get("drive_on")
+    if drive_on is None:
+        return np.ones(len(record.t_s), dtype=np.bool_)
+    return np.asarray(np.asarray(drive_on, dtype=np.float64) != 0.0)
+
+
+def _changes(record: Record, rows: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Return where among the driven rows another command begins."""
+    changed = np.diff(rows) > 1
+    for column in (record.phase_deg, record.frequency_hz, record.torque_nm, record.sweep):
+        if column is not None:
+            changed |= np.diff(column[rows]) != 0.0
+    return np.asarray(np.flatnonzero(changed) + 1)
+
+
+def _at(column: Column | None, row: int, otherwise: float) -> float:
+    return otherwise if column is None else float(column[row])
+
+
+def _settle(windows: int) -> Settle | None:
+    """Return the criterion that a dwell of this length can meet."""
+    usual = Settle()
+    if windows > usual.min_windows + usual.over_windows:
+        return usual
+    return HOLD_SETTLE if windows > HOLD_SETTLE.min_windows else None
