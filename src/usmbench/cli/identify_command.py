@@ -75,8 +75,7 @@ def _identify(args: argparse.Namespace) -> Identification:
     if args.method == "paper":
         nb = 0 if args.nb is None else args.nb
         return identify_paper(records, PaperOptions(args.degree, knots_deg, args.na, nb)).found
-    degree = 18 if args.degree is None else args.degree
-    return identify_fast(records, FastOptions(degree, knots_deg, args.na, args.nb))
+    return identify_fast(records, FastOptions(args.degree, knots_deg, args.na, args.nb))
 
 
 def _knots(text: str | None) -> tuple[float, ...] | None:

@@ -9,9 +9,21 @@ from numpy.typing import NDArray
 
 from usmbench.identify.data import Dataset, from_windows
 from usmbench.identify.design import Stretch, build_design, check_rows
-from usmbench.identify.knots import dead_zone_deg, place_knots
-from usmbench.identify.output_error import Dynamics, Fit, fit_output_error
+from usmbench.identify.dynamics import Dynamics, Family, FreeFamily, LagFamily
+from usmbench.identify.knots import place_knots
+from usmbench.identify.output_error import Fit, fit_output_error
 from usmbench.identify.result import Identification, assemble
+from usmbench.identify.selection import (
+    DEGREES,
+    Choice,
+    bends_deg,
+    choose_curve,
+    curve_rows,
+    fitted_curve,
+    judge_knots,
+    roughness,
+)
+from usmbench.identify.separable import separable_start
 from usmbench.model.hammerstein import StaticCurve
 from usmbench.runs.record import Record
 
@@ -19,7 +31,10 @@ Array = NDArray[np.float64]
 
 _ROBUST_ROUNDS = 4
 _BISQUARE = 4.685  # 95 % efficiency at the normal distribution (Huber and Ronchetti, 2009)
-_STANDING = 0.02  # share of the highest speed that counts as standing
+_STANDING = 0.03  # share of the highest speed that counts as standing
+_FIRST_DEGREE = 12
+_MIDDLE_DEGREE = 18
+_DEAD_TIMES = range(6)
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +51,7 @@ class FastOptions:
         Orders of the linear part.
     """
 
-    degree: int = 18
+    degree: int | None = None
     knots_deg: tuple[float, ...] | None = None
     na: int = 1
     nb: int | None = None
@@ -60,57 +75,107 @@ def identify_fast(records: Sequence[Record], options: FastOptions) -> Identifica
     started_s = time.perf_counter()
     data = from_windows(records)
     nb = 2 if options.nb is None else options.nb
-    degree = options.degree if options.knots_deg is None else len(options.knots_deg) - 1
-    for point in range(len(data.points)):
-        check_rows(data, degree, options.na, nb, point=point)
-    knots_deg = _first_knots(data, options, degree)
-    stretches = build_design(data, knots_deg)
-    fit = _robust_fit(stretches, Dynamics(np.zeros(options.na), np.zeros(nb), 0))
-    if options.knots_deg is None:
-        knots_deg = _refined_knots(knots_deg, fit, degree)
-        stretches = build_design(data, knots_deg)
-        fit = _robust_fit(stretches, fit.dynamics)
-    return assemble(
-        data,
-        "fast",
-        fit.dynamics.linear_part(data.window_s),
-        [StaticCurve(k, d) for k, d in zip(knots_deg, fit.delta, strict=True)],
-        fit_s=time.perf_counter() - started_s,
-    )
+    points = range(len(data.points))
+    degrees = [_degrees(data, point, options, nb) for point in points]
+    even = [_even_knots(data, k, min(_FIRST_DEGREE, max(degrees[k]))) for k in points]
+    stretches = build_design(data, even)
+    pulls = [roughness(knots.size - 1, 1e-4 * np.sqrt(data.n)) for knots in even]
+    start = separable_start(stretches, options.na, nb, _DEAD_TIMES)
+    family = _family(options, start)
+    rough = _robust_fit(stretches, family, family.parameters(start), pulls)
+    choices = [_choice(data, k, options, degrees[k], even[k], rough) for k in points]
+    stretches = build_design(data, [choice.knots_deg for choice in choices])
+    pulls = [roughness(c.knots_deg.size - 1, c.stiffness * np.sqrt(data.n)) for c in choices]
+    fit = _robust_fit(stretches, family, rough.parameters, pulls)
+    curves = [StaticCurve(c.knots_deg, d) for c, d in zip(choices, fit.delta, strict=True)]
+    linear = fit.dynamics.linear_part(data.window_s)
+    return assemble(data, "fast", linear, curves, time.perf_counter() - started_s)
 
 
-def _first_knots(data: Dataset, options: FastOptions, degree: int) -> list[Array]:
-    """Even knots over each operating point's phases, or the user's."""
+def _family(options: FastOptions, start: Dynamics) -> Family:
+    """Search among lags with a dead time, unless the user asks for other orders."""
+    if options.na == 1 and options.nb is None:
+        return LagFamily(start.dead_time_windows + 2.0)
+    return FreeFamily(start.a.size, start.beta.size, start.dead_time_windows)
+
+
+def _degrees(data: Dataset, point: int, options: FastOptions, nb: int) -> tuple[int, ...]:
+    """Degrees to choose from that the data can carry."""
     if options.knots_deg is not None:
-        return [np.array(options.knots_deg, dtype=np.float64)] * len(data.points)
-    spans = [data.phase_deg(point) for point in range(len(data.points))]
-    return [place_knots(float(s.min()), float(s.max()), degree) for s in spans]
+        degrees: tuple[int, ...] = (len(options.knots_deg) - 1,)
+    elif options.degree is not None:
+        degrees = (options.degree,)
+    else:
+        phases = np.unique(data.phase_deg(point)).size
+        degrees = tuple(d for d in DEGREES if d + 2 <= phases) or (min(DEGREES),)
+    check_rows(data, min(degrees), options.na, nb, point=point)
+    return degrees
 
 
-def _refined_knots(knots_deg: Sequence[Array], fit: Fit, degree: int) -> list[Array]:
-    """Gather knots at the edges of each curve's dead zone."""
-    refined = []
-    for knots, delta in zip(knots_deg, fit.delta, strict=True):
-        curve = StaticCurve(knots, delta)
-        top = float(np.max(np.abs(curve.speed_rad_s(np.linspace(knots[0], knots[-1], 501)))))
-        edges = [e for e in dead_zone_deg(curve, _STANDING * top) if e is not None]
-        share = 0.6 if edges else 0.0
-        width = 0.04 * (knots[-1] - knots[0])
-        refined.append(
-            place_knots(float(knots[0]), float(knots[-1]), degree, tuple(edges), share, width)
-        )
-    return refined
+def _even_knots(data: Dataset, point: int, degree: int) -> Array:
+    """Even knots over a point's phases."""
+    phase_deg = data.phase_deg(point)
+    return place_knots(float(phase_deg.min()), float(phase_deg.max()), degree)
 
 
-def _robust_fit(stretches: Sequence[Stretch], start: Dynamics) -> Fit:
-    """Fit the free run, reweighting by Tukey's bisquare until the outliers have no say."""
+def _choice(
+    data: Dataset, point: int, options: FastOptions, degrees: Sequence[int], even: Array, rough: Fit
+) -> Choice:
+    """Choose a point's curve, twice: the first choice says better where it bends."""
+    rows = curve_rows(data, point, rough.dynamics)
+    if options.knots_deg is not None:
+        return judge_knots(rows, np.array(options.knots_deg, dtype=np.float64))
+    span_deg = (float(even[0]), float(even[-1]))
+    curve = StaticCurve(even, rough.delta[point])
+    bends = bends_deg(curve, _STANDING * _top_speed(curve))
+    middling = min(degrees, key=lambda degree: abs(degree - _MIDDLE_DEGREE))
+    first = fitted_curve(rows, choose_curve(rows, (middling,), bends, span_deg))
+    bends = bends_deg(first, _STANDING * _top_speed(first))
+    return choose_curve(rows, degrees, bends, span_deg)
+
+
+def _top_speed(curve: StaticCurve) -> float:
+    """Highest speed (absolute) of a curve."""
+    grid_deg = np.linspace(curve.knots_deg[0], curve.knots_deg[-1], 501)
+    return float(np.max(np.abs(curve.speed_rad_s(grid_deg))))
+
+
+def _robust_fit(
+    stretches: Sequence[Stretch], family: Family, start: Array, pulls: Sequence[Array]
+) -> Fit:
+    """Fit the free run, reweighting until neither outliers nor the noisier rows rule it.
+
+    Windows just after a change of phase have a scale of their own: the moment of the command
+    within its window, and dynamics that are none of a linear system, make them noisier.
+    """
+    changing = [_changing(s, family.dynamics(start)) for s in stretches]
     weights = [np.ones(s.speed_rad_s.size) for s in stretches]
-    fit = fit_output_error(stretches, start, weights)
+    fit = fit_output_error(stretches, family, start, weights, pulls)
     for _ in range(_ROBUST_ROUNDS):
-        residuals = [s.speed_rad_s - y for s, y in zip(stretches, fit.output_rad_s, strict=True)]
-        scale = 1.4826 * float(np.median(np.abs(np.concatenate(residuals))))
-        if scale == 0.0:
+        residual, change = np.concatenate(fit.residual_rad_s), np.concatenate(changing)
+        settled_rad_s, changing_rad_s = _scale(residual[~change]), _scale(residual[change])
+        if settled_rad_s == 0.0 or changing_rad_s == 0.0:
             break
-        weights = [np.clip(1.0 - (r / (_BISQUARE * scale)) ** 2, 0.0, 1.0) for r in residuals]
-        fit = fit_output_error(stretches, fit.dynamics, weights)
+        base_rad_s = min(settled_rad_s, changing_rad_s)
+        weights = []
+        for r, c in zip(fit.residual_rad_s, changing, strict=True):
+            scale = np.where(c, changing_rad_s, settled_rad_s)
+            robust = np.clip(1.0 - (r / (_BISQUARE * scale)) ** 2, 0.0, 1.0)
+            weights.append(robust * base_rad_s / scale)
+        fit = fit_output_error(stretches, family, fit.parameters, weights, pulls)
     return fit
+
+
+def _scale(residual: Array) -> float:
+    """Return the standard deviation of the rows of one kind, by the median."""
+    return 1.4826 * float(np.median(np.abs(residual))) if residual.size > 1 else 1.0
+
+
+def _changing(stretch: Stretch, dynamics: Dynamics) -> NDArray[np.bool_]:
+    """Rows on which a change of phase still acts."""
+    changed = np.r_[True, np.any(np.diff(stretch.basis, axis=0) != 0.0, axis=1)]
+    first, last = dynamics.dead_time_windows, dynamics.dead_time_windows + dynamics.beta.size
+    recent = np.zeros(changed.size, dtype=np.bool_)
+    for lag in range(first, last + 1):
+        recent[lag:] |= changed[: changed.size - lag]
+    return recent

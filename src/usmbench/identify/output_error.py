@@ -1,9 +1,10 @@
-"""Output-error estimation: the free run is fitted, with the curve eliminated.
+"""Output-error estimation: the free run is fitted, with the curves eliminated.
 
-For fixed dynamics the free-running output is linear in the curve's ordinates δ, so only the few
+For fixed dynamics the free-running output is linear in the curves' ordinates δ, so only the few
 coefficients of the dynamics are searched (variable projection; Golub and Pereyra 1973,
 doi:10.1137/0710036, with Kaufman's Jacobian). The gain is 1 by construction: the numerator is
-``(1 + Σa) β`` with ``Σβ = 1``.
+``(1 + Σa) β`` with ``Σβ = 1``. What the motor did before a segment is unknown: the settled speed
+before its first sample is one more linear parameter, projected out of the segment's own rows.
 """
 
 from collections.abc import Sequence
@@ -13,67 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.identify.design import Stretch
-from usmbench.model.hammerstein import LinearPart
-from usmbench.model.linear import delayed, filtered
+from usmbench.identify.dynamics import Dynamics, Family
+from usmbench.identify.triangle import triangle
+from usmbench.model.linear import fading, from_rest
 
 Array = NDArray[np.float64]
 
-_RANK = 1e-10  # singular values below this share of the largest are not resolved by the data
-_STABLE = 0.9999
+_RANK = 1e-12  # singular values below this share of the largest are not resolved by the data
 _MAX_STEPS = 50
-_TOLERANCE = 1e-9
-
-
-@dataclass(frozen=True, slots=True)
-class Dynamics:
-    """Free parameters of the linear part.
-
-    Parameters
-    ----------
-    a
-        Denominator a_1 …, shape (n_a,).
-    beta
-        Numerator of unit sum without its first element, shape (n_b,).
-    dead_time_windows
-        Whole windows of dead time.
-    """
-
-    a: Array
-    beta: Array
-    dead_time_windows: int
-
-    @property
-    def numerator(self) -> Array:
-        """Return b, shape (n_b + 1,)."""
-        unit = np.r_[1.0 - self.beta.sum(), self.beta]
-        b: Array = (1.0 + self.a.sum()) * unit
-        return b
-
-    @property
-    def stable(self) -> bool:
-        """Whether every pole lies inside the unit circle."""
-        return bool(np.max(np.abs(np.roots(np.r_[1.0, self.a])), initial=0.0) < _STABLE)
-
-    def moved(self, step: Array) -> "Dynamics":
-        """Return the dynamics after a step.
-
-        Parameters
-        ----------
-        step
-            Change of a, then of beta, shape (n_a + n_b,).
-        """
-        na = self.a.size
-        return Dynamics(self.a + step[:na], self.beta + step[na:], self.dead_time_windows)
-
-    def linear_part(self, window_s: float | None) -> LinearPart:
-        """Return the difference equation.
-
-        Parameters
-        ----------
-        window_s
-            Time step.
-        """
-        return LinearPart(self.a, self.numerator, self.dead_time_windows, window_s)
+_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,39 +31,34 @@ class Fit:
 
     Parameters
     ----------
+    parameters
+        Parameters of the linear part in its family.
     dynamics
         The linear part.
     delta
         Ordinates of each operating point's curve.
-    output_rad_s
-        Free-running output of each stretch.
+    start_rad_s
+        Settled speed before each stretch.
+    residual_rad_s
+        Measured minus free-running speed of each stretch.
     sse
-        Weighted sum of squared residuals.
+        Weighted sum of squared residuals, with the penalty on the curves.
     """
 
+    parameters: Array
     dynamics: Dynamics
     delta: tuple[Array, ...]
-    output_rad_s: tuple[Array, ...]
+    start_rad_s: tuple[float, ...]
+    residual_rad_s: tuple[Array, ...]
     sse: float
 
 
-def solve_curves(stretches: Sequence[Stretch], dynamics: Dynamics, weights: Sequence[Array]) -> Fit:
-    """Return the best curves for given dynamics.
-
-    Parameters
-    ----------
-    stretches
-        Regressors of each segment.
-    dynamics
-        The linear part.
-    weights
-        Square roots of the weights of each segment's rows.
-    """
-    return _Projected(stretches, dynamics, weights).fit
-
-
 def fit_output_error(
-    stretches: Sequence[Stretch], start: Dynamics, weights: Sequence[Array]
+    stretches: Sequence[Stretch],
+    family: Family,
+    start: Array,
+    weights: Sequence[Array],
+    penalties: Sequence[Array],
 ) -> Fit:
     """Fit dynamics and curves to the free run.
 
@@ -122,17 +66,22 @@ def fit_output_error(
     ----------
     stretches
         Regressors of each segment.
+    family
+        Where to search.
     start
-        Dynamics to start from; stable.
+        Parameters to start from; stable.
     weights
         Square roots of the weights of each segment's rows.
+    penalties
+        Rows that pull each operating point's δ towards 0, shape (m, d + 1); see
+        `usmbench.identify.selection.roughness`.
 
     Returns
     -------
     Fit
         At a minimum of the weighted sum of squares, or where no step lowers it.
     """
-    here = _Projected(stretches, start, weights)
+    here = Projected(stretches, family, start, weights, penalties)
     damping = 1e-6
     for _ in range(_MAX_STEPS):
         jacobian, residual = here.reduced()
@@ -140,8 +89,9 @@ def fit_output_error(
             break
         scale = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
         step = _damped_step(jacobian / scale, residual, damping) / scale
-        moved = here.fit.dynamics.moved(step)
-        there = _Projected(stretches, moved, weights) if moved.stable else None
+        moved = family.moved(here.fit.parameters, step)
+        stable = family.dynamics(moved).stable
+        there = Projected(stretches, family, moved, weights, penalties) if stable else None
         if there is None or not there.fit.sse < here.fit.sse:
             damping *= 10.0
             if damping > 1e6:
@@ -162,86 +112,140 @@ def _damped_step(jacobian: Array, residual: Array, damping: float) -> Array:
     return step
 
 
-class _Projected:
-    """The problem at given dynamics, with the curves eliminated by an orthogonal projection."""
+class Projected:
+    """The problem at given dynamics, with curves and starts eliminated orthogonally.
+
+    Parameters
+    ----------
+    stretches, family, weights, penalties
+        As in `fit_output_error`.
+    parameters
+        Of the linear part.
+    """
 
     def __init__(
-        self, stretches: Sequence[Stretch], dynamics: Dynamics, weights: Sequence[Array]
+        self,
+        stretches: Sequence[Stretch],
+        family: Family,
+        parameters: Array,
+        weights: Sequence[Array],
+        penalties: Sequence[Array],
     ) -> None:
-        self._stretches = stretches
-        self._weights = weights
-        self._dynamics = dynamics
+        self._stretches, self._weights, self._penalties = stretches, weights, penalties
+        self._family, self._parameters = family, parameters
+        self._dynamics = family.dynamics(parameters)
         self._members = [
             [k for k, s in enumerate(stretches) if s.point == point]
-            for point in range(1 + max(s.point for s in stretches))
+            for point in range(len(penalties))
         ]
-        self._spans: list[Array] = []
+        self._fading = [self._faded(k) for k in range(len(stretches))]
+        self._columns = [self._dynamics.respond(s.basis) for s in stretches]
+        self._matrices = [self._weighted(k, c) for k, c in enumerate(self._columns)]
+        self.fit = self._solve()
+
+    def _faded(self, k: int) -> Array:
+        """Weighted response to the unknown start, of unit length."""
+        dynamics, n = self._dynamics, self._stretches[k].speed_rad_s.size
+        shape = fading(dynamics.numerator, dynamics.a, dynamics.dead_time_windows, n)
+        shape = self._weights[k] * shape
+        return shape / max(float(np.linalg.norm(shape)), 1e-300)
+
+    def _weighted(self, k: int, columns: Array) -> Array:
+        """Weight a stretch's columns and take the start's response out of them."""
+        weight, shape = self._weights[k], self._fading[k]
+        scaled = columns * (weight if columns.ndim == 1 else weight[:, None])
+        return scaled - np.multiply.outer(shape, shape @ scaled)
+
+    def _solve(self) -> Fit:
+        """Find the curves, point by point."""
         deltas: list[Array] = []
-        outputs: list[Array] = [np.empty(0)] * len(stretches)
+        residuals = [np.empty(0)] * len(self._stretches)
+        starts = [0.0] * len(self._stretches)
         sse = 0.0
-        for members in self._members:
-            columns = [self._filtered_basis(k) for k in members]
-            weighted = np.vstack(
-                [weights[k][:, None] * c for k, c in zip(members, columns, strict=True)]
-            )
-            target = self._stack(members, [s.speed_rad_s for s in stretches])
-            left, singular, right = np.linalg.svd(weighted, full_matrices=False)
-            kept = singular > _RANK * singular[0]
-            self._spans.append(left[:, kept])
-            delta = right[kept].T @ ((left[:, kept].T @ target) / singular[kept])
+        for members, penalty in zip(self._members, self._penalties, strict=True):
+            measured = [self._weighted(k, self._stretches[k].speed_rad_s) for k in members]
+            target = np.concatenate([*measured, np.zeros(penalty.shape[0])])
+            matrix = np.vstack([*(self._matrices[k] for k in members), penalty])
+            factor = triangle(np.column_stack([matrix, target]))
+            solved = np.linalg.lstsq(factor[:, :-1], factor[:, -1], rcond=_RANK)[0]
+            delta = np.asarray(solved, dtype=np.float64)
             deltas.append(delta)
-            for k, c in zip(members, columns, strict=True):
-                outputs[k] = c @ delta
-            sse += float(np.sum((target - weighted @ delta) ** 2))
-        self.fit = Fit(dynamics, tuple(deltas), tuple(outputs), sse)
+            sse += float(np.sum((target - matrix @ delta) ** 2))
+            for k in members:
+                starts[k], residuals[k] = self._with_start(k, self._columns[k] @ delta)
+        return Fit(
+            self._parameters,
+            self._dynamics,
+            tuple(deltas),
+            tuple(starts),
+            tuple(residuals),
+            sse,
+        )
 
-    def _filtered_basis(self, k: int) -> Array:
-        late = delayed(self._stretches[k].basis, self._dynamics.dead_time_windows)
-        return filtered(self._dynamics.numerator, self._dynamics.a, late)
-
-    def _stack(self, members: Sequence[int], signals: Sequence[Array]) -> Array:
-        return np.concatenate([self._weights[k] * signals[k] for k in members])
+    def _with_start(self, k: int, output_rad_s: Array) -> tuple[float, Array]:
+        """Start and residual of a stretch, given its output from rest."""
+        dynamics, stretch = self._dynamics, self._stretches[k]
+        n = stretch.speed_rad_s.size
+        shape = fading(dynamics.numerator, dynamics.a, dynamics.dead_time_windows, n)
+        weighted = self._weights[k] * shape
+        residual = stretch.speed_rad_s - output_rad_s
+        power = float(weighted @ weighted)
+        start = float(weighted @ (self._weights[k] * residual)) / power if power > 1e-12 else 0.0
+        return start, residual - start * shape
 
     def reduced(self) -> tuple[Array, Array]:
-        """Return Jacobian and residual of the dynamics, projected off the curves' span."""
-        stretches, outputs = self._stretches, self.fit.output_rad_s
-        residuals = [s.speed_rad_s - y for s, y in zip(stretches, outputs, strict=True)]
-        columns = [
-            output_sensitivities(self._dynamics, s.basis @ self.fit.delta[s.point], y)
-            for s, y in zip(stretches, outputs, strict=True)
-        ]
-        jacobian, residual = [], []
-        for members, span in zip(self._members, self._spans, strict=True):
-            block = np.vstack([self._weights[k][:, None] * columns[k] for k in members])
-            jacobian.append(block - span @ (span.T @ block))
-            residual.append(self._stack(members, residuals))
-        return np.vstack(jacobian), np.concatenate(residual)
+        """Return Jacobian and residual of the dynamics, projected off curves and starts.
+
+        Returns
+        -------
+        jacobian, residual
+            Of equal height: the last rows of the triangular factor of curves, dynamics and
+            residual side by side, which is all that the rows say about the dynamics.
+        """
+        fit, n = self.fit, self._parameters.size
+        jacobians, residuals = [], []
+        for members, penalty in zip(self._members, self._penalties, strict=True):
+            blocks = [self._block(k) for k in members]
+            delta = fit.delta[self._stretches[members[0]].point]
+            pulled = np.column_stack([penalty, np.zeros((penalty.shape[0], n)), -penalty @ delta])
+            factor = triangle(np.vstack([*blocks, pulled]))
+            first = delta.size
+            jacobians.append(factor[first:, first:-1])
+            residuals.append(factor[first:, -1])
+        return np.vstack(jacobians), np.concatenate(residuals)
+
+    def _block(self, k: int) -> Array:
+        """Weighted regressors of curve and dynamics beside the residual, of one stretch."""
+        stretch, fit = self._stretches[k], self.fit
+        moved_rad_s = stretch.basis @ fit.delta[stretch.point] - fit.start_rad_s[k]
+        sensitivities = output_sensitivities(fit.dynamics, moved_rad_s)
+        sensitivities = self._weighted(k, sensitivities @ self._family.jacobian(fit.parameters))
+        residual = self._weighted(k, fit.residual_rad_s[k])
+        return np.column_stack([self._matrices[k], sensitivities, residual])
 
 
-def output_sensitivities(dynamics: Dynamics, settled_rad_s: Array, output_rad_s: Array) -> Array:
+def output_sensitivities(dynamics: Dynamics, moved_rad_s: Array) -> Array:
     """Return the derivatives of the free run with respect to a and beta.
 
     Parameters
     ----------
     dynamics
         The linear part.
-    settled_rad_s
-        The static curve's output v, shape (n,).
-    output_rad_s
-        The free run, shape (n,).
+    moved_rad_s
+        The static curve's output v less its value before the first sample, shape (n,).
 
     Returns
     -------
     Array
-        Shape (n, n_a + n_b): ``(β(q) v(t−D) − ω(t−i)) / A(q)`` for a_i, and
+        Shape (n, n_a + n_b): ``(β(q) v(t−D) − y(t−i)) / A(q)`` for a_i, and
         ``(1 + Σa) (v(t−D−i) − v(t−D)) / A(q)`` for β_i.
     """
-    late = delayed(settled_rad_s, dynamics.dead_time_windows)
-    gain = 1.0 + dynamics.a.sum()
-    unit = dynamics.numerator / gain
-    mixed = filtered(unit, np.empty(0), late)
-    inputs = [mixed - delayed(output_rad_s, i + 1) for i in range(dynamics.a.size)]
-    inputs += [gain * (delayed(late, i + 1) - late) for i in range(dynamics.beta.size)]
-    if not inputs:
-        return np.empty((settled_rad_s.size, 0))
-    return filtered(np.ones(1), dynamics.a, np.column_stack(inputs))
+    na, nb, dead = dynamics.a.size, dynamics.beta.size, dynamics.dead_time_windows
+    gain = 1.0 + float(dynamics.a.sum())
+    one = np.ones(1)
+    late = from_rest(one, dynamics.a, dead, moved_rad_s)
+    output = from_rest(dynamics.numerator, dynamics.a, dead, moved_rad_s)
+    mixed = from_rest(dynamics.numerator / gain, dynamics.a, dead, moved_rad_s)
+    columns = [mixed - from_rest(one, dynamics.a, i, output) for i in range(1, na + 1)]
+    columns += [gain * (from_rest(one, np.empty(0), i, late) - late) for i in range(1, nb + 1)]
+    return np.column_stack(columns) if columns else np.empty((moved_rad_s.size, 0))

@@ -125,12 +125,13 @@ def search(
         Settings.
     """
     sizes = [block.basis.shape[2] for block in blocks]
-    b: Array = rng.standard_normal(blocks[0].basis.shape[0])
-    delta: Array = rng.standard_normal(sum(sizes))
-    b, delta = _normalised(b, delta, one_plus_a)
+    drawn_b = rng.standard_normal((blocks[0].basis.shape[0],))
+    drawn_delta = rng.standard_normal((sum(sizes),))
+    b, delta = _normalised(drawn_b, drawn_delta, one_plus_a)
     error = _error(blocks, b, delta)
-    sse = _sum_of_squares(error)
-    damping, factor = options.damping, options.alpha
+    sse: float = _sum_of_squares(error)
+    damping: float = options.damping
+    factor: float = options.alpha
     trace: list[LmStep] = []
     stopped: Literal["target", "stalled", "iterations"] = "iterations"
     while sse > options.target_sse and len(trace) < options.max_iterations:

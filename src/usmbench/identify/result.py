@@ -15,7 +15,13 @@ from usmbench.model.hammerstein import (
     OperatingPoint,
     StaticCurve,
 )
-from usmbench.model.linear import delayed, free_run, time_constant_s
+from usmbench.model.linear import (
+    dead_time_s,
+    delayed,
+    fitted_start_rad_s,
+    free_run,
+    time_constant_s,
+)
 
 Array = NDArray[np.float64]
 
@@ -90,6 +96,7 @@ class Identification:
             "tau_s": time_constant_s(linear),
             "gain_linear": linear.gain,
             "dead_zone_deg": list(point.dead_zone_deg),
+            "dead_time_s": dead_time_s(linear),
             "dead_time_windows": linear.dead_time_windows,
         }
 
@@ -150,9 +157,7 @@ def _score(data: Dataset, linear: LinearPart, curve: StaticCurve, point: int) ->
     """One-step and free-running errors over a point's segments."""
     mine = [s for s in data.segments if s.point == point]
     one_step = np.concatenate([_one_step_error(linear, curve, s) for s in mine])
-    free = np.concatenate(
-        [s.speed_rad_s - free_run(linear, curve.speed_rad_s(s.phase_deg)) for s in mine]
-    )
+    free = np.concatenate([_free_run_error(linear, curve, s) for s in mine])
     return Scores(
         free.size,
         float(np.sum(one_step**2)),
@@ -161,13 +166,20 @@ def _score(data: Dataset, linear: LinearPart, curve: StaticCurve, point: int) ->
     )
 
 
+def _free_run_error(linear: LinearPart, curve: StaticCurve, segment: Segment) -> Array:
+    """Measured minus free-running speed, from the start that suits the segment best."""
+    settled_rad_s = curve.speed_rad_s(segment.phase_deg)
+    start_rad_s = fitted_start_rad_s(linear, settled_rad_s, segment.speed_rad_s)
+    return segment.speed_rad_s - free_run(linear, settled_rad_s, start_rad_s)
+
+
 def _one_step_error(linear: LinearPart, curve: StaticCurve, segment: Segment) -> Array:
     """Measured minus predicted from measured past speeds, on rows that have a whole past."""
-    late = delayed(curve.speed_rad_s(segment.phase_deg), linear.dead_time_windows)
+    settled_rad_s = curve.speed_rad_s(segment.phase_deg)
     predicted = np.zeros(segment.n)
-    for k, b in enumerate(linear.b):
-        predicted += b * delayed(late, k)
+    for k, b in enumerate(linear.b, start=linear.dead_time_windows):
+        predicted += b * delayed(settled_rad_s, k, settled_rad_s[0])
     for i, a in enumerate(linear.a, start=1):
         predicted -= a * delayed(segment.speed_rad_s, i)
-    first = min(linear.a.size, segment.n - 1)
+    first = min(max(linear.a.size, linear.dead_time_windows + linear.b.size - 1), segment.n - 1)
     return (segment.speed_rad_s - predicted)[first:]

@@ -1,4 +1,4 @@
-"""Difference equations of the linear part, run forward from a steady state."""
+"""Difference equations of the linear part, run forward."""
 
 import math
 
@@ -11,8 +11,8 @@ from usmbench.model.hammerstein import LinearPart
 Array = NDArray[np.float64]
 
 
-def delayed(values: Array, windows: int) -> Array:
-    """Return the values late by whole windows, the first one held before the start.
+def delayed(values: Array, windows: int, before: float | Array = 0.0) -> Array:
+    """Return the values late by whole windows.
 
     Parameters
     ----------
@@ -20,16 +20,18 @@ def delayed(values: Array, windows: int) -> Array:
         A signal, shape (N,) or (N, K).
     windows
         Delay, 0 or more.
+    before
+        What the signal was before its first sample.
     """
     if windows == 0:
         return values
     late = np.empty_like(values)
-    late[:windows] = values[0]
+    late[:windows] = before
     late[windows:] = values[: max(values.shape[0] - windows, 0)]
     return late
 
 
-def free_run(linear: LinearPart, settled_rad_s: Array) -> Array:
+def free_run(linear: LinearPart, settled_rad_s: Array, start_rad_s: float | None = None) -> Array:
     """Return the output of the linear part, free-running.
 
     Parameters
@@ -37,19 +39,22 @@ def free_run(linear: LinearPart, settled_rad_s: Array) -> Array:
     linear
         The difference equation.
     settled_rad_s
-        Its input v, the static curve's output, shape (N,) or (N, K): K signals at once.
+        Its input v, the static curve's output, shape (N,).
+    start_rad_s
+        Settled speed before the first sample; None takes that of the first sample.
 
     Returns
     -------
     Array
-        Output of the same shape. It starts in the steady state of the first input.
+        Output, shape (N,).
     """
-    late = delayed(settled_rad_s, linear.dead_time_windows)
-    return filtered(linear.b, linear.a, late)
+    start = float(settled_rad_s[0]) if start_rad_s is None else start_rad_s
+    moved = from_rest(linear.b, linear.a, linear.dead_time_windows, settled_rad_s - start)
+    return moved + start * linear.gain
 
 
-def filtered(b: Array, a: Array, signal: Array) -> Array:
-    """Run ``B(q) / (1 + A(q))`` over a signal from the steady state of its first sample.
+def from_rest(b: Array, a: Array, dead_time_windows: int, signal: Array) -> Array:
+    """Run ``q^−D B(q) / (1 + A(q))`` over a signal that was 0 before.
 
     Parameters
     ----------
@@ -57,17 +62,64 @@ def filtered(b: Array, a: Array, signal: Array) -> Array:
         Numerator b_0 …, shape (n_b + 1,).
     a
         Denominator a_1 … without the leading 1, shape (n_a,).
+    dead_time_windows
+        Dead time D.
     signal
         Shape (N,) or (N, K).
     """
-    denominator = np.r_[1.0, a]
-    order = max(b.size, denominator.size) - 1
-    if order == 0:
-        return signal * float(b[0])
-    start = lfilter_zi(b, denominator)
-    state = start[:, None] * signal[0] if signal.ndim == 2 else start * signal[0]
-    result: Array = lfilter(b, denominator, signal, axis=0, zi=state)[0]
+    late = delayed(signal, dead_time_windows)
+    result: Array = lfilter(b, np.r_[1.0, a], late, axis=0)
     return result
+
+
+def fading(b: Array, a: Array, dead_time_windows: int, n: int) -> Array:
+    """Return how a settled speed of 1 before the first sample fades when the input is 0.
+
+    Parameters
+    ----------
+    b, a, dead_time_windows
+        As in `from_rest`.
+    n
+        Number of samples.
+
+    Returns
+    -------
+    Array
+        Shape (n,). The part of the free run that the unknown start of a record adds.
+    """
+    denominator = np.r_[1.0, a]
+    held = np.zeros(n)
+    held[:dead_time_windows] = 1.0
+    if max(b.size, denominator.size) == 1:
+        return held * float(b[0])
+    result: Array = lfilter(b, denominator, held, zi=lfilter_zi(b, denominator))[0]
+    return result
+
+
+def fitted_start_rad_s(linear: LinearPart, settled_rad_s: Array, speed_rad_s: Array) -> float:
+    """Return the settled speed before the first sample that suits a measurement best.
+
+    Parameters
+    ----------
+    linear
+        The difference equation.
+    settled_rad_s
+        The static curve's output v, shape (N,).
+    speed_rad_s
+        The measured speed, shape (N,).
+
+    Returns
+    -------
+    float
+        The least-squares estimate, or v's first value where no sample remembers the start.
+    """
+    n = min(settled_rad_s.size, memory_windows(linear) + 1)
+    b, a, dead = linear.b, linear.a, linear.dead_time_windows
+    shape = fading(b, a, dead, n)
+    power = float(shape @ shape)
+    if power < 1e-12:
+        return float(settled_rad_s[0])
+    return float(shape @ (speed_rad_s[:n] - from_rest(b, a, dead, settled_rad_s[:n]))) / power
 
 
 def time_constant_s(linear: LinearPart) -> float | None:
@@ -88,6 +140,33 @@ def time_constant_s(linear: LinearPart) -> float | None:
     if linear.window_s is None or real.size == 0:
         return None
     return -linear.window_s / math.log(float(real.max()))
+
+
+def dead_time_s(linear: LinearPart) -> float | None:
+    """Return the true dead time: the mean delay of the response without its time constants.
+
+    Parameters
+    ----------
+    linear
+        The difference equation. Speeds are window averages and phases are held through the
+        window in which they were commanded, which adds no delay between equally numbered
+        windows; so the mean delay ``Σ k h_k`` of the impulse response h is the dead time plus
+        the time constants, and a part of a window counts.
+
+    Returns
+    -------
+    float or None
+        None where the samples have no time step or a pole is not real, positive and stable.
+    """
+    poles = np.roots(np.r_[1.0, linear.a])
+    plain = (np.abs(poles.imag) < 1e-9) & (poles.real > 0.0) & (poles.real < 1.0)
+    if linear.window_s is None or not np.all(plain):
+        return None
+    lags_a, lags_b = np.arange(1, linear.a.size + 1), np.arange(linear.b.size)
+    mean = linear.dead_time_windows + float(lags_b @ linear.b) / float(linear.b.sum())
+    mean -= float(lags_a @ linear.a) / (1.0 + float(linear.a.sum()))
+    lags = float(np.sum(-1.0 / np.log(poles.real))) if poles.size else 0.0
+    return linear.window_s * (mean - lags)
 
 
 def memory_windows(linear: LinearPart, left: float = 1e-3) -> int:

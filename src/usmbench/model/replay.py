@@ -65,7 +65,13 @@ def replay_record(record: Record, model: HammersteinModel) -> Replay:
     if not np.all(np.isfinite(record.speed_rad_s)):
         row = int(np.argmin(np.isfinite(record.speed_rad_s)))
         raise InputError(f"{record.name}: speed_rad_s of row {row} is no number; mend the row")
-    simulation = simulate(model, record.phase_deg, record.frequency_hz, record.torque_nm)
+    simulation = simulate(
+        model,
+        record.phase_deg,
+        record.frequency_hz,
+        record.torque_nm,
+        measured_rad_s=record.speed_rad_s,
+    )
     inside = simulation.inside
     if not np.any(inside):
         raise InputError(

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel
-from usmbench.model.linear import free_run
+from usmbench.model.linear import fitted_start_rad_s, free_run
 from usmbench.model.operating_points import point_weights
 
 Array = NDArray[np.float64]
@@ -44,6 +44,8 @@ def simulate(
     phase_deg: Array,
     frequency_hz: Array | None = None,
     torque_nm: Array | None = None,
+    *,
+    measured_rad_s: Array | None = None,
 ) -> Simulation:
     """Run a model free over a sequence of commands.
 
@@ -56,6 +58,9 @@ def simulate(
     frequency_hz, torque_nm
         Commanded drive frequency and load torque of each window, shape (N,); None where
         unknown, which a model with a single operating point takes as being there.
+    measured_rad_s
+        Measured speed, shape (N,): only what the motor did before the first window is taken from
+        its first windows. None starts settled at the first command.
 
     Returns
     -------
@@ -83,5 +88,8 @@ def simulate(
         settled_rad_s[rows] += weight[rows] * point.curve.speed_rad_s(here_deg)
         low_deg, high_deg = point.phase_range_deg
         outside_phase[rows] |= (here_deg < low_deg) | (here_deg > high_deg)
-    speed_rad_s = free_run(model.linear, settled_rad_s)
+    start_rad_s = None
+    if measured_rad_s is not None:
+        start_rad_s = fitted_start_rad_s(model.linear, settled_rad_s, measured_rad_s)
+    speed_rad_s = free_run(model.linear, settled_rad_s, start_rad_s)
     return Simulation(speed_rad_s, settled_rad_s, outside_phase, outside_point)

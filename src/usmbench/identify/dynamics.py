@@ -1,0 +1,230 @@
+"""Families of linear parts to search in: a lag with a true dead time, or free coefficients."""
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.model.hammerstein import LinearPart
+from usmbench.model.linear import from_rest
+
+Array = NDArray[np.float64]
+
+_STABLE = 0.9999
+_SHORTEST, _LONGEST = 0.02, 1e4  # time constant in windows
+_DIFFERENCE = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Dynamics:
+    """A linear part of unit gain: ``b = (1 + Σa) β`` with ``Σβ = 1``.
+
+    Parameters
+    ----------
+    a
+        Denominator a_1 …, shape (n_a,).
+    beta
+        Numerator of unit sum without its first element, shape (n_b,).
+    dead_time_windows
+        Whole windows of dead time.
+    """
+
+    a: Array
+    beta: Array
+    dead_time_windows: int
+
+    @property
+    def numerator(self) -> Array:
+        """Return b, shape (n_b + 1,)."""
+        unit: Array = np.r_[1.0 - self.beta.sum(), self.beta]
+        return (1.0 + float(self.a.sum())) * unit
+
+    @property
+    def stable(self) -> bool:
+        """Whether every pole lies inside the unit circle."""
+        return bool(np.max(np.abs(np.roots(np.r_[1.0, self.a])), initial=0.0) < _STABLE)
+
+    def linear_part(self, window_s: float | None) -> LinearPart:
+        """Return the difference equation.
+
+        Parameters
+        ----------
+        window_s
+            Time step.
+        """
+        return LinearPart(self.a, self.numerator, self.dead_time_windows, window_s)
+
+    def respond(self, signal: Array) -> Array:
+        """Run the dynamics over a signal that was 0 before.
+
+        Parameters
+        ----------
+        signal
+            Shape (N,) or (N, K).
+        """
+        return from_rest(self.numerator, self.a, self.dead_time_windows, signal)
+
+
+NONE = Dynamics(np.empty(0), np.empty(0), 0)
+"""No dynamics: the output is the input."""
+
+
+class Family(Protocol):
+    """Linear parts that a few parameters span."""
+
+    def dynamics(self, parameters: Array) -> Dynamics:
+        """Return the linear part at these parameters."""
+
+    def parameters(self, dynamics: Dynamics) -> Array:
+        """Return the parameters nearest to a linear part."""
+
+    def moved(self, parameters: Array, step: Array) -> Array:
+        """Return the parameters after a step, kept where they make sense."""
+
+    def jacobian(self, parameters: Array) -> Array:
+        """Return the derivatives of (a, β), shape (n_a + n_b, n)."""
+
+
+@dataclass(frozen=True, slots=True)
+class FreeFamily:
+    """Difference equations with free coefficients; the parameters are (a, β).
+
+    Parameters
+    ----------
+    na, nb
+        Orders.
+    dead_time_windows
+        Dead time.
+    """
+
+    na: int
+    nb: int
+    dead_time_windows: int
+
+    def dynamics(self, parameters: Array) -> Dynamics:
+        """Return the linear part.
+
+        Parameters
+        ----------
+        parameters
+            a, then β, shape (n_a + n_b,).
+        """
+        return Dynamics(parameters[: self.na], parameters[self.na :], self.dead_time_windows)
+
+    def parameters(self, dynamics: Dynamics) -> Array:
+        """Return (a, β).
+
+        Parameters
+        ----------
+        dynamics
+            Of the same orders.
+        """
+        joined: Array = np.r_[dynamics.a, dynamics.beta]
+        return joined
+
+    def moved(self, parameters: Array, step: Array) -> Array:
+        """Return the sum.
+
+        Parameters
+        ----------
+        parameters, step
+            Where from and how far, shape (n_a + n_b,).
+        """
+        moved: Array = parameters + step
+        return moved
+
+    def jacobian(self, parameters: Array) -> Array:
+        """Return the unit matrix.
+
+        Parameters
+        ----------
+        parameters
+            (a, β).
+        """
+        return np.eye(parameters.size)
+
+
+@dataclass(frozen=True, slots=True)
+class LagFamily:
+    """First-order lags with a true dead time, seen through window averages.
+
+    The parameters are ln(τ/T) and the dead time over T, for windows of length T. Speeds are
+    averages over windows; a phase counts from the start of the window in which it is commanded.
+    With f the dead time's part of a window beyond D whole ones, u = τ/T and p = exp(−1/u), the
+    averages of the unit step's response are ``s_0 = (1 − f) − u (1 − exp(−(1 − f)/u))`` and
+    ``s_k = 1 − u (1 − p) exp(−(k − f)/u)``, which is the difference equation with a_1 = −p,
+    b_0 = s_0, b_1 = s_1 − (1 + p) s_0, b_2 = s_2 − s_1 − p (s_1 − s_0) and no more terms.
+
+    Parameters
+    ----------
+    longest_dead_time
+        Largest dead time in windows.
+    """
+
+    longest_dead_time: float
+
+    def dynamics(self, parameters: Array) -> Dynamics:
+        """Return the linear part.
+
+        Parameters
+        ----------
+        parameters
+            ln(τ/T) and dead time over T, shape (2,).
+        """
+        u, dead = math.exp(parameters[0]), float(parameters[1])
+        whole = math.floor(dead)
+        return self._at(u, whole, dead - whole)
+
+    def _at(self, u: float, whole: int, f: float) -> Dynamics:
+        p = math.exp(-1.0 / u)
+        left = math.exp(-(1.0 - f) / u)
+        s0 = (1.0 - f) + u * math.expm1(-(1.0 - f) / u)
+        s1 = 1.0 - u * (1.0 - p) * left
+        s2 = 1.0 - u * (1.0 - p) * left * p
+        b = np.array([s0, s1 - (1.0 + p) * s0, s2 - s1 - p * (s1 - s0)])
+        return Dynamics(np.array([-p]), b[1:] / b.sum(), whole)
+
+    def parameters(self, dynamics: Dynamics) -> Array:
+        """Return the lag with the same pole and dead time.
+
+        Parameters
+        ----------
+        dynamics
+            With n_a = 1.
+        """
+        pole = min(max(-float(dynamics.a[0]), 1e-3), 0.999)
+        return np.array([math.log(-1.0 / math.log(pole)), dynamics.dead_time_windows + 0.25])
+
+    def moved(self, parameters: Array, step: Array) -> Array:
+        """Return the sum, with both parameters kept in their bounds.
+
+        Parameters
+        ----------
+        parameters, step
+            Where from and how far, shape (2,).
+        """
+        low = np.array([math.log(_SHORTEST), 0.0])
+        high = np.array([math.log(_LONGEST), self.longest_dead_time])
+        moved: Array = np.clip(parameters + step, low, high)
+        return moved
+
+    def jacobian(self, parameters: Array) -> Array:
+        """Return the derivatives of (a_1, β_1, β_2) by central differences within the window.
+
+        Parameters
+        ----------
+        parameters
+            ln(τ/T) and dead time over T, shape (2,).
+        """
+        u, dead = float(parameters[0]), float(parameters[1])
+        whole = math.floor(dead)
+        f, h = dead - whole, _DIFFERENCE
+        columns = [
+            [self._at(math.exp(u + side * h), whole, f) for side in (1, -1)],
+            [self._at(math.exp(u), whole, f + side * h) for side in (1, -1)],
+        ]
+        return np.column_stack(
+            [np.r_[up.a - down.a, up.beta - down.beta] / (2.0 * h) for up, down in columns]
+        )

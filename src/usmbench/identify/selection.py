@@ -1,0 +1,302 @@
+"""Degree, knots and smoothness of a curve, chosen by what they predict on data held out.
+
+Every candidate is one least-squares problem over the same rows. The rows of each fold are reduced
+to a triangular factor once; fitting on all folds but one and testing on that one then costs next
+to nothing, and no normal equations are formed.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
+
+from usmbench.identify.data import Dataset
+from usmbench.identify.dynamics import NONE, Dynamics
+from usmbench.identify.knots import place_knots
+from usmbench.identify.triangle import triangle
+from usmbench.model.bernstein import bernstein_basis
+from usmbench.model.hammerstein import StaticCurve
+from usmbench.model.inverse_map import bezier_abscissa
+from usmbench.model.linear import memory_windows
+
+Array = NDArray[np.float64]
+
+DEGREES = (8, 12, 18, 24, 30)
+STIFFNESSES = (1e-5, 1e-4, 1e-3, 1e-2)
+_SHARES = (0.4, 0.7)
+_WIDTHS = (0.01, 0.025, 0.06)  # of the range of phases
+_FOLDS = 5
+_BLOCKS = 40
+_MOST_ROWS = 4000
+_FEWEST_DWELLS = 10
+_SIMPLER = 1.02  # a candidate must beat a simpler one by this factor
+
+
+@dataclass(frozen=True, slots=True)
+class CurveRows:
+    """Samples that tell about one operating point's curve.
+
+    Parameters
+    ----------
+    phase_deg, speed_rad_s
+        Pieces of the record, or one piece of dwell medians.
+    fold
+        Fold of each sample; -1 where it is never held out, -2 where it is not used at all.
+    dynamics
+        What stands between curve and speed; the identity for dwell medians.
+    """
+
+    phase_deg: tuple[Array, ...]
+    speed_rad_s: tuple[Array, ...]
+    fold: tuple[NDArray[np.int64], ...]
+    dynamics: Dynamics
+
+    @property
+    def n_phases(self) -> int:
+        """Number of different phases."""
+        return int(np.unique(np.concatenate(self.phase_deg)).size)
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """A curve's shape parameters.
+
+    Parameters
+    ----------
+    knots_deg
+        The knots.
+    stiffness
+        Strength of the pull on the second differences of δ; see `roughness`.
+    held_out_rad_s
+        Root mean square error on the held-out samples.
+    """
+
+    knots_deg: Array
+    stiffness: float
+    held_out_rad_s: float
+
+
+def roughness(degree: int, stiffness: float) -> Array:
+    """Return rows that pull the second differences of δ towards 0.
+
+    Parameters
+    ----------
+    degree
+        Degree d of the curve.
+    stiffness
+        Noise of one sample over the expected size of a second difference, both in rad/s.
+
+    Returns
+    -------
+    Array
+        Shape (d − 1, d + 1).
+    """
+    rows: Array = stiffness * np.diff(np.eye(degree + 1), 2, axis=0)
+    return rows
+
+
+def curve_rows(data: Dataset, point: int, dynamics: Dynamics) -> CurveRows:
+    """Gather the samples on which a point's curve is chosen.
+
+    Where the record is made of dwells, each gives its median settled speed, and neighbouring
+    phases are held out together; else blocks of the record are held out.
+
+    Parameters
+    ----------
+    data
+        The samples.
+    point
+        Index of the operating point.
+    dynamics
+        The linear part as far as it is known.
+    """
+    forget = memory_windows(dynamics.linear_part(None))
+    phases, speeds = _dwell_medians(data, point, forget)
+    if phases.size >= _FEWEST_DWELLS:
+        fold = _phase_folds(phases)
+        return CurveRows((phases,), (speeds,), (fold,), NONE)
+    pieces = [s for s in data.segments if s.point == point]
+    total = sum(s.n for s in pieces)
+    keep = min(1.0, _MOST_ROWS / total)
+    cut = [max(forget + 1, int(s.n * keep)) for s in pieces]
+    folds = []
+    for k, (segment, n) in enumerate(zip(pieces, cut, strict=True)):
+        n = min(n, segment.n)
+        fold = (np.arange(n) * _BLOCKS // max(n, 1) + k) % _FOLDS
+        fold[: min(forget, n)] = -2
+        folds.append(fold)
+    return CurveRows(
+        tuple(s.phase_deg[: f.size] for s, f in zip(pieces, folds, strict=True)),
+        tuple(s.speed_rad_s[: f.size] for s, f in zip(pieces, folds, strict=True)),
+        tuple(folds),
+        dynamics,
+    )
+
+
+def choose_curve(
+    rows: CurveRows,
+    degrees: Sequence[int],
+    edges_deg: tuple[float, ...],
+    span_deg: tuple[float, float],
+) -> Choice:
+    """Return the candidate that predicts held-out samples best, the simplest among equals.
+
+    Parameters
+    ----------
+    rows
+        The samples.
+    degrees
+        Degrees to compare.
+    edges_deg
+        Where the curve bends sharply, as far as it is known.
+    span_deg
+        Ends of the curve.
+    """
+    best: Choice | None = None
+    for knots_deg in _candidates(degrees, edges_deg, span_deg):
+        for choice in _judged(rows, knots_deg, STIFFNESSES):
+            if best is None or _SIMPLER * choice.held_out_rad_s < best.held_out_rad_s:
+                best = choice
+    if best is None:
+        raise ValueError("no degree to choose from")
+    return best
+
+
+def judge_knots(rows: CurveRows, knots_deg: Array) -> Choice:
+    """Return the best stiffness for given knots.
+
+    Parameters
+    ----------
+    rows
+        The samples.
+    knots_deg
+        The knots.
+    """
+    return min(_judged(rows, knots_deg, STIFFNESSES), key=lambda choice: choice.held_out_rad_s)
+
+
+def fitted_curve(rows: CurveRows, choice: Choice) -> StaticCurve:
+    """Return the curve of a choice, fitted to all of its samples.
+
+    Parameters
+    ----------
+    rows
+        The samples.
+    choice
+        Knots and stiffness.
+    """
+    factors, fixed = _fold_factors(rows, choice.knots_deg)
+    n = sum(int(np.count_nonzero(f >= 0)) for f in rows.fold)
+    pull = roughness(choice.knots_deg.size - 1, choice.stiffness * np.sqrt(n))
+    return StaticCurve(choice.knots_deg, _solved(np.vstack([fixed, *factors]), pull))
+
+
+def _candidates(
+    degrees: Sequence[int], edges_deg: tuple[float, ...], span_deg: tuple[float, float]
+) -> Iterator[Array]:
+    """Yield sets of knots, simple ones first."""
+    low_deg, high_deg = span_deg
+    for degree in degrees:
+        yield place_knots(low_deg, high_deg, degree)
+        if not edges_deg:
+            continue
+        for share in _SHARES:
+            for width in _WIDTHS:
+                yield place_knots(
+                    low_deg, high_deg, degree, edges_deg, share, width * (high_deg - low_deg)
+                )
+
+
+def _judged(rows: CurveRows, knots_deg: Array, stiffnesses: Sequence[float]) -> list[Choice]:
+    """Cross-validate one set of knots at several stiffnesses."""
+    factors, fixed = _fold_factors(rows, knots_deg)
+    n = sum(int(np.count_nonzero(f >= 0)) for f in rows.fold)
+    others = [np.vstack([fixed, *factors[:k], *factors[k + 1 :]]) for k in range(_FOLDS)]
+    trained = [triangle(rest) for rest in others]
+    choices = []
+    for stiffness in stiffnesses:
+        pull = roughness(knots_deg.size - 1, stiffness * np.sqrt(n))
+        sse = 0.0
+        for factor, rest in zip(factors, trained, strict=True):
+            delta = _solved(rest, pull)
+            sse += float(np.sum((factor[:, -1] - factor[:, :-1] @ delta) ** 2))
+        choices.append(Choice(knots_deg, stiffness, float(np.sqrt(sse / max(n, 1)))))
+    return choices
+
+
+def _solved(factor: Array, pull: Array) -> Array:
+    """Least squares from a triangular factor whose last column is the outcome."""
+    rows = np.vstack([factor, np.column_stack([pull, np.zeros(pull.shape[0])])])
+    reduced = triangle(rows)
+    n = reduced.shape[1] - 1
+    delta: Array = solve_triangular(reduced[:n, :n], reduced[:n, n], check_finite=False)
+    return delta
+
+
+def _fold_factors(rows: CurveRows, knots_deg: Array) -> tuple[list[Array], Array]:
+    """Triangular factors of each fold's rows (regressors, outcome), and of those never held out."""
+    degree = knots_deg.size - 1
+    stacked, fold = [], np.concatenate(rows.fold)
+    for phase_deg, speed_rad_s in zip(rows.phase_deg, rows.speed_rad_s, strict=True):
+        basis = bernstein_basis(bezier_abscissa(phase_deg, knots_deg), degree)
+        stacked.append(np.column_stack([rows.dynamics.respond(basis), speed_rad_s]))
+    matrix = np.vstack(stacked)
+    parts = [triangle(matrix[fold == k]) for k in range(_FOLDS)]
+    return parts, triangle(matrix[fold == -1])
+
+
+def _dwell_medians(data: Dataset, point: int, forget: int) -> tuple[Array, Array]:
+    """Phase and median settled speed of every dwell that outlasts the memory."""
+    phases, speeds = [], []
+    for segment in (s for s in data.segments if s.point == point):
+        starts = np.r_[0, np.flatnonzero(np.diff(segment.phase_deg)) + 1, segment.n]
+        for first, last in pairwise(starts):
+            if last - first > forget:
+                phases.append(segment.phase_deg[first])
+                speeds.append(np.median(segment.speed_rad_s[first + forget : last]))
+    return np.array(phases), np.array(speeds)
+
+
+def _phase_folds(phase_deg: Array) -> NDArray[np.int64]:
+    """Equal phases share a fold; the ends are never held out, nothing lies beyond them."""
+    distinct, place = np.unique(phase_deg, return_inverse=True)
+    fold_of = np.arange(distinct.size) % _FOLDS
+    fold_of[[0, -1]] = -1
+    fold: NDArray[np.int64] = fold_of[place]
+    return fold
+
+
+def bends_deg(curve: StaticCurve, standing_rad_s: float) -> tuple[float, ...]:
+    """Return where the curve leaves standstill, from tangents beside the dead zone.
+
+    Parameters
+    ----------
+    curve
+        The settled speed, as far as it is known.
+    standing_rad_s
+        Speed (absolute) that counts as standing.
+    """
+    grid_deg = np.linspace(curve.knots_deg[0], curve.knots_deg[-1], 2001)
+    speed_rad_s = curve.speed_rad_s(grid_deg)
+    size = np.abs(speed_rad_s)
+    if size.min() > standing_rad_s or size.max() < 5.0 * standing_rad_s:
+        return ()
+    centre = int(np.argmin(size))
+    bends = []
+    for way in (-1, 1):
+        along, angle_deg = size[centre::way], grid_deg[centre::way]
+        slow, fast = (_first_above(along, f * standing_rad_s) for f in (1.0, 4.0))
+        if slow is None or fast is None or along[fast] <= along[slow]:
+            continue
+        slope = (along[fast] - along[slow]) / (angle_deg[fast] - angle_deg[slow])
+        bends.append(float(angle_deg[slow] - along[slow] / slope))
+    return tuple(sorted(np.clip(bends, grid_deg[0], grid_deg[-1]).tolist()))
+
+
+def _first_above(values: Array, level: float) -> int | None:
+    """Index of the first value above a level."""
+    above = values > level
+    return int(np.argmax(above)) if np.any(above) else None

@@ -1,0 +1,26 @@
+"""Rows of a least-squares problem reduced to the triangle that says the same."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def triangle(rows: Array) -> Array:
+    """Return the triangular factor R of ``rows = Q R``.
+
+    Rows of several blocks can be reduced block by block and their triangles stacked and reduced
+    again (the tall-skinny QR of Demmel et al. 2012, doi:10.1137/080731992): the same result at
+    any size, without squaring the condition as the normal equations do.
+
+    Parameters
+    ----------
+    rows
+        Regressors, and outcomes as further columns, shape (n, m).
+
+    Returns
+    -------
+    Array
+        Shape (min(n, m), m).
+    """
+    return np.asarray(np.linalg.qr(rows, mode="r"), dtype=np.float64)
