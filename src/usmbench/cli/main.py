@@ -63,7 +63,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parsed = build_parser(command).parse_args(words)
         return int(parsed.run(parsed))
     except UsmbenchError as error:
-        print(f"usmbench: {error}", file=sys.stderr)
+        notes = getattr(error, "__notes__", [])
+        print("; ".join([f"usmbench: {error}", *notes]), file=sys.stderr)
         return error.exit_status
     except KeyboardInterrupt:
         print("usmbench: stopped by the user", file=sys.stderr)
