@@ -71,11 +71,13 @@ class Settling:
 
         Of a dwell that never settled, the last windows that were to prove it.
         """
-        if not self.n_settled:
-            for speed_rad_s in self._recent:
-                self._count(speed_rad_s)
-            return self._mean_rad_s, self._deviation(len(self._recent)), len(self._recent)
-        return self._mean_rad_s, self._deviation(self.n_settled), self.n_settled
+        if self.n_settled:
+            return self._mean_rad_s, _deviation(self._squares, self.n_settled), self.n_settled
+        n = len(self._recent)
+        mean_rad_s = sum(self._recent) / n
+        squares = sum((speed_rad_s - mean_rad_s) ** 2 for speed_rad_s in self._recent)
+        return mean_rad_s, _deviation(squares, n), n
 
-    def _deviation(self, n: int) -> float:
-        return sqrt(self._squares / (n - 1)) if n > 1 else 0.0
+
+def _deviation(squares: float, n: int) -> float:
+    return sqrt(squares / (n - 1)) if n > 1 else 0.0
