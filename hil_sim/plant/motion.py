@@ -20,7 +20,10 @@ from hil_sim.signals import Drive
 TICKS_PER_S = 1000
 """Ticks a second, fine against the rotor's 3 ms and the noise's correlation time."""
 
+# Divides a block of noise, so that a step never needs two.
 _THERMAL_TICKS = 128
+# Standard deviations that the noise passes once in 10¹⁵ ticks.
+_NOISE_BOUND = 8.0
 # The envelopes' 0.5 ms need finer steps: parts of a tick while their transient is larger than the
 # given size (relative to resonance), and parts until it is over.
 _FAST_RESIDUE = 0.03
@@ -64,7 +67,7 @@ class Motion:
         )
         self._noise_block = -1
         self._noise_nm: list[float] = []
-        self._noise_bound_nm = 0.0
+        self._noise_bound_nm = _NOISE_BOUND * p.rotor.noise_nm
         self._drive = Drive()
         self._now_s = 0.0
         self._tick, self._warm_tick = 0, _THERMAL_TICKS
@@ -151,27 +154,24 @@ class Motion:
         """Integrate some ticks towards `until_s`, the last one only as far as `stop_s`."""
         if self._tick >= self._warm_tick:
             self._warm()
-        block, number = divmod(self._tick, BLOCK)
-        if block != self._noise_block:
-            self._noise_block, self._noise_nm = block, self._noise.block(block)
-            self._noise_bound_nm = max(map(abs, self._noise_nm))
         end_tick = self._tick + 1
         gliding = self._stator.settled
         if gliding:
             whole = int(until_s * TICKS_PER_S - _TICK_ROUNDING)
-            end_tick = max(end_tick, min(whole, self._warm_tick, (block + 1) * BLOCK))
+            end_tick = max(end_tick, min(whole, self._warm_tick))
         end_s = end_tick / TICKS_PER_S
         if end_s > until_s:
             self._mark = self._state()
         if gliding:
-            self._glide(end_tick, min(end_s, stop_s), number)
+            self._glide(end_tick, min(end_s, stop_s))
         else:
-            self._swing(min(end_s, stop_s), self._noise_nm[number])
+            self._swing(min(end_s, stop_s))
         if end_s <= stop_s:
             self._tick = end_tick
 
-    def _swing(self, end_s: float, noise_nm: float) -> None:
+    def _swing(self, end_s: float) -> None:
         """Move on to `end_s` within a tick, in parts, while the vibration changes."""
+        (noise_nm,) = self._noise_of(1)
         parts = _FAST_PARTS if self._stator.residue > _FAST_RESIDUE else _SLOW_PARTS
         for part in range(self._tick * parts + 1, (self._tick + 1) * parts + 1):
             part_end_s = min(part / (parts * TICKS_PER_S), end_s)
@@ -185,14 +185,23 @@ class Motion:
         if self._stator.settled:
             self._regrip()
 
-    def _glide(self, end_tick: int, end_s: float, number: int) -> None:
-        """Move on to `end_s` under a steady vibration; noise `number` is the first tick's."""
-        ends_s = [end_s]
-        if not self._rotor.stays(self._grip, self._noise_bound_nm):
-            ends_s[:0] = [tick / TICKS_PER_S for tick in range(self._tick + 1, end_tick)]
-        noise_nm = self._noise_nm[number : number + len(ends_s)]
-        self._rotor.advance(self._now_s, zip(ends_s, noise_nm, strict=True), self._grip)
+    def _glide(self, end_tick: int, end_s: float) -> None:
+        """Move on to `end_s`, in the tick before `end_tick`, under a steady vibration."""
+        if self._rotor.stays(self._grip, self._noise_bound_nm):
+            steps = [(end_s, 0.0)]
+        else:
+            ends_s = [tick / TICKS_PER_S for tick in range(self._tick + 1, end_tick)]
+            ends_s.append(end_s)
+            steps = list(zip(ends_s, self._noise_of(len(ends_s)), strict=True))
+        self._rotor.advance(self._now_s, steps, self._grip)
         self._now_s = end_s
+
+    def _noise_of(self, n_ticks: int) -> list[float]:
+        """Torque noise of the next ticks, none of which is beyond the next warming."""
+        block, number = divmod(self._tick, BLOCK)
+        if block != self._noise_block:
+            self._noise_block, self._noise_nm = block, self._noise.block(block)
+        return self._noise_nm[number : number + n_ticks]
 
     def _regrip(self) -> None:
         """Take over what the stator does now, after a command or a transient's end."""

@@ -74,8 +74,9 @@ class Stator:
         warming_k
             Temperature of the ring above the surroundings.
         """
-        self._warming_k = warming_k
-        self._set_targets()
+        if warming_k != self._warming_k:
+            self._warming_k = warming_k
+            self._set_targets()
 
     @property
     def settled(self) -> bool:
