@@ -12,6 +12,7 @@ from hil_sim.ni_server.card import Card
 from hil_sim.ni_server.channels import Wiring
 from hil_sim.ni_server.errors import NiCode, NiError, ServerDeadError
 from hil_sim.ni_server.tasks import Task
+from hil_sim.ni_server.wire import read_answer
 
 SERVICE: Final = "nidaqmx_grpc.NiDAQmx"
 
@@ -178,10 +179,9 @@ class NiDaqService:
 
     def _reader(self, response: Callable[..., Any]) -> Call:
         def read(request: Any, _context: Any) -> Any:
-            n_samples = request.num_samps_per_chan
             task = self._card.tasks.get(request.task.name)
-            values = self._card.read(task, n_samples, request.timeout)
-            return response(read_array=values.tolist(), samps_per_chan_read=n_samples)
+            values = self._card.read(task, request.num_samps_per_chan, request.timeout)
+            return read_answer(response, values)
 
         return read
 

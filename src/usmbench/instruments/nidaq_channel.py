@@ -1,10 +1,10 @@
 """The connection to an NI gRPC device server."""
 
 import json
-import os
 from typing import Any, Final
 
 import grpc
+import grpc.experimental
 
 _SERVICE: Final = "nidaqmx_grpc.NiDAQmx"
 _CONFIGURING_TIMEOUT_S: Final = 10.0
@@ -30,13 +30,13 @@ def connect(address: str, read_timeout_s: float) -> Any:
     read_timeout_s
         Longest that a read waits for its samples.
     """
-    # gRPC would write its own remarks on a lost server beside our message.
-    os.environ.setdefault("GRPC_VERBOSITY", "NONE")
     return grpc.insecure_channel(
         address,
         options=[
             ("grpc.service_config", json.dumps({"methodConfig": _deadlines(read_timeout_s)})),
             ("grpc.enable_http_proxy", 0),
+            # The event stream has a thread of its own already, nidaqmx's.
+            (grpc.experimental.ChannelOptions.SingleThreadedUnaryStream, 1),
             ("grpc.max_receive_message_length", _MAX_MESSAGE_BYTES),
         ],
     )
