@@ -10,18 +10,18 @@ from numpy.typing import NDArray
 from usmbench.identify.data import Dataset, from_windows
 from usmbench.identify.design import Stretch, build_design, check_rows
 from usmbench.identify.dynamics import Dynamics, Family, FreeFamily, LagFamily
-from usmbench.identify.knots import place_knots
+from usmbench.identify.knots import dead_zone_deg, place_knots
 from usmbench.identify.output_error import Fit, fit_output_error
 from usmbench.identify.result import Identification, assemble
 from usmbench.identify.selection import (
     DEGREES,
     Choice,
-    bends_deg,
+    CurveRows,
     choose_curve,
     curve_rows,
     fitted_curve,
     judge_knots,
-    roughness,
+    prior_rows,
 )
 from usmbench.identify.separable import separable_start
 from usmbench.model.hammerstein import StaticCurve
@@ -31,8 +31,7 @@ Array = NDArray[np.float64]
 
 _ROBUST_ROUNDS = 4
 _BISQUARE = 4.685  # 95 % efficiency at the normal distribution (Huber and Ronchetti, 2009)
-_STANDING = 0.03  # share of the highest speed that counts as standing
-_FIRST_DEGREE = 12
+_FIRST_DEGREE, _FIRST_STIFFNESS = 12, 1e-4
 _MIDDLE_DEGREE = 18
 _DEAD_TIMES = range(6)
 
@@ -79,13 +78,19 @@ def identify_fast(records: Sequence[Record], options: FastOptions) -> Identifica
     degrees = [_degrees(data, point, options, nb) for point in points]
     even = [_even_knots(data, k, min(_FIRST_DEGREE, max(degrees[k]))) for k in points]
     stretches = build_design(data, even)
-    pulls = [roughness(knots.size - 1, 1e-4 * np.sqrt(data.n)) for knots in even]
+    pulls = [prior_rows(knots, _FIRST_STIFFNESS, None, data.n) for knots in even]
     start = separable_start(stretches, options.na, nb, _DEAD_TIMES)
     family = _family(options, start)
     rough = _robust_fit(stretches, family, family.parameters(start), pulls)
-    choices = [_choice(data, k, options, degrees[k], even[k], rough) for k in points]
+    rows = [curve_rows(data, k, rough.dynamics) for k in points]
+    choices = [
+        _choice(rows[k], options, degrees[k], StaticCurve(even[k], rough.delta[k])) for k in points
+    ]
     stretches = build_design(data, [choice.knots_deg for choice in choices])
-    pulls = [roughness(c.knots_deg.size - 1, c.stiffness * np.sqrt(data.n)) for c in choices]
+    pulls = [
+        prior_rows(c.knots_deg, c.stiffness, r.standing_deg, data.n)
+        for c, r in zip(choices, rows, strict=True)
+    ]
     fit = _robust_fit(stretches, family, rough.parameters, pulls)
     curves = [StaticCurve(c.knots_deg, d) for c, d in zip(choices, fit.delta, strict=True)]
     linear = fit.dynamics.linear_part(data.window_s)
@@ -119,25 +124,20 @@ def _even_knots(data: Dataset, point: int, degree: int) -> Array:
 
 
 def _choice(
-    data: Dataset, point: int, options: FastOptions, degrees: Sequence[int], even: Array, rough: Fit
+    rows: CurveRows, options: FastOptions, degrees: Sequence[int], curve: StaticCurve
 ) -> Choice:
     """Choose a point's curve, twice: the first choice says better where it bends."""
-    rows = curve_rows(data, point, rough.dynamics)
     if options.knots_deg is not None:
         return judge_knots(rows, np.array(options.knots_deg, dtype=np.float64))
-    span_deg = (float(even[0]), float(even[-1]))
-    curve = StaticCurve(even, rough.delta[point])
-    bends = bends_deg(curve, _STANDING * _top_speed(curve))
+    span_deg = (float(curve.knots_deg[0]), float(curve.knots_deg[-1]))
     middling = min(degrees, key=lambda degree: abs(degree - _MIDDLE_DEGREE))
-    first = fitted_curve(rows, choose_curve(rows, (middling,), bends, span_deg))
-    bends = bends_deg(first, _STANDING * _top_speed(first))
-    return choose_curve(rows, degrees, bends, span_deg)
+    first = fitted_curve(rows, choose_curve(rows, (middling,), _edges(curve), span_deg))
+    return choose_curve(rows, degrees, _edges(first), span_deg)
 
 
-def _top_speed(curve: StaticCurve) -> float:
-    """Highest speed (absolute) of a curve."""
-    grid_deg = np.linspace(curve.knots_deg[0], curve.knots_deg[-1], 501)
-    return float(np.max(np.abs(curve.speed_rad_s(grid_deg))))
+def _edges(curve: StaticCurve) -> tuple[float, ...]:
+    """Edges of a curve's dead zone, as far as it has any."""
+    return tuple(edge for edge in dead_zone_deg(curve) if edge is not None)
 
 
 def _robust_fit(

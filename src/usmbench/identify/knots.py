@@ -8,6 +8,7 @@ from usmbench.model.hammerstein import StaticCurve
 Array = NDArray[np.float64]
 
 _GRID = 4001
+_SLOW, _FAST = 0.03, 0.12  # of the highest speed: where the tangents are taken
 
 
 def place_knots(
@@ -49,43 +50,43 @@ def place_knots(
     return knots_deg
 
 
-def dead_zone_deg(curve: StaticCurve, threshold_rad_s: float) -> tuple[float | None, float | None]:
-    """Return the edges of the stretch about standstill in which the motor does not move.
+def dead_zone_deg(curve: StaticCurve) -> tuple[float | None, float | None]:
+    """Return the edges of the dead zone: where the tangents beside it meet standstill.
+
+    The tangents are chords between 3 % and 12 % of the highest speed. A threshold of speed would
+    put each edge too far out, by the threshold over the slope.
 
     Parameters
     ----------
     curve
         The settled speed.
-    threshold_rad_s
-        Speed (absolute) that still counts as standing.
 
     Returns
     -------
     low, high
-        Last phases at which the curve is within the threshold, below and above the phase of
-        least speed; None where the curve ends before it leaves the threshold.
+        Edges below and above the standing phase nearest to 0; None where the curve never stands,
+        or ends before it has left standstill on that side.
     """
     grid_deg = np.linspace(curve.knots_deg[0], curve.knots_deg[-1], _GRID)
-    speed_rad_s = curve.speed_rad_s(grid_deg)
-    moving = np.abs(speed_rad_s) > threshold_rad_s
-    if np.all(moving):
+    size = np.abs(curve.speed_rad_s(grid_deg))
+    slow, fast = _SLOW * size.max(), _FAST * size.max()
+    standing = np.flatnonzero(size <= slow)
+    if standing.size == 0:
         return None, None
-    standing = np.flatnonzero(~moving)
-    middle = int(standing[np.argmin(np.abs(grid_deg[standing]))])
-    below = np.flatnonzero(moving[:middle])
-    above = np.flatnonzero(moving[middle:])
-    low = None if below.size == 0 else int(below[-1])
-    high = None if above.size == 0 else middle + int(above[0])
-    return (
-        None if low is None else _crossing(grid_deg, speed_rad_s, low, low + 1, threshold_rad_s),
-        None if high is None else _crossing(grid_deg, speed_rad_s, high, high - 1, threshold_rad_s),
-    )
+    centre = int(standing[np.argmin(np.abs(grid_deg[standing]))])
+    low = _tangent_foot_deg(size[centre::-1], grid_deg[centre::-1], slow, fast)
+    high = _tangent_foot_deg(size[centre:], grid_deg[centre:], slow, fast)
+    if low is not None and high is not None and low > high:
+        low = high = 0.5 * (low + high)
+    return low, high
 
 
-def _crossing(
-    grid_deg: Array, speed_rad_s: Array, moving: int, standing: int, threshold_rad_s: float
-) -> float:
-    """Phase at which the speed passes the threshold between two grid points."""
-    fast, slow = abs(float(speed_rad_s[moving])), abs(float(speed_rad_s[standing]))
-    share = (fast - threshold_rad_s) / (fast - slow)
-    return float(grid_deg[moving] + share * (grid_deg[standing] - grid_deg[moving]))
+def _tangent_foot_deg(size: Array, phase_deg: Array, slow: float, fast: float) -> float | None:
+    """Phase at which the chord between two speeds, continued, meets zero."""
+    if size.max() <= fast:
+        return None
+    first, second = int(np.argmax(size > slow)), int(np.argmax(size > fast))
+    if size[second] <= size[first]:
+        return None
+    slope = (size[second] - size[first]) / (phase_deg[second] - phase_deg[first])
+    return float(phase_deg[first] - size[first] / slope)

@@ -74,7 +74,7 @@ def fit_output_error(
         Square roots of the weights of each segment's rows.
     penalties
         Rows that pull each operating point's δ towards 0, shape (m, d + 1); see
-        `usmbench.identify.selection.roughness`.
+        `usmbench.identify.selection.prior_rows`.
 
     Returns
     -------

@@ -25,8 +25,6 @@ from usmbench.model.linear import (
 
 Array = NDArray[np.float64]
 
-_STANDING = 0.02  # share of the highest speed that counts as standing
-
 
 @dataclass(frozen=True, slots=True)
 class Scores:
@@ -127,15 +125,13 @@ def assemble(
     for k, ((frequency_hz, torque_nm), curve) in enumerate(zip(data.points, curves, strict=True)):
         score = _score(data, linear, curve, k)
         phase_deg = data.phase_deg(k)
-        grid_deg = np.linspace(curve.knots_deg[0], curve.knots_deg[-1], 501)
-        top = float(np.max(np.abs(curve.speed_rad_s(grid_deg))))
         points.append(
             OperatingPoint(
                 frequency_hz,
                 torque_nm,
                 curve,
                 (float(phase_deg.min()), float(phase_deg.max())),
-                dead_zone_deg(curve, _STANDING * top),
+                dead_zone_deg(curve),
                 score.rmse_free_run_rad_s,
             )
         )

@@ -32,6 +32,8 @@ _FOLDS = 5
 _BLOCKS = 40
 _MOST_ROWS = 4000
 _FEWEST_DWELLS = 10
+_STANDING_ROWS, _STANDING_WEIGHT = 25, 0.1
+_STANDING_SPEED = 0.002  # of the highest: less is standstill
 _SIMPLER = 1.02  # a candidate must beat a simpler one by this factor
 
 
@@ -47,12 +49,15 @@ class CurveRows:
         Fold of each sample; -1 where it is never held out, -2 where it is not used at all.
     dynamics
         What stands between curve and speed; the identity for dwell medians.
+    standing_deg
+        Lowest and highest phase about 0 at which a dwell stood; None where fewer than two did.
     """
 
     phase_deg: tuple[Array, ...]
     speed_rad_s: tuple[Array, ...]
     fold: tuple[NDArray[np.int64], ...]
     dynamics: Dynamics
+    standing_deg: tuple[float, float] | None = None
 
     @property
     def n_phases(self) -> int:
@@ -69,7 +74,7 @@ class Choice:
     knots_deg
         The knots.
     stiffness
-        Strength of the pull on the second differences of δ; see `roughness`.
+        Strength of the pull on the second differences of δ; see `prior_rows`.
     held_out_rad_s
         Root mean square error on the held-out samples.
     """
@@ -79,23 +84,36 @@ class Choice:
     held_out_rad_s: float
 
 
-def roughness(degree: int, stiffness: float) -> Array:
-    """Return rows that pull the second differences of δ towards 0.
+def prior_rows(
+    knots_deg: Array, stiffness: float, standing_deg: tuple[float, float] | None, n: int
+) -> Array:
+    """Return rows that say what is known about a curve without data; their outcome is 0.
 
     Parameters
     ----------
-    degree
-        Degree d of the curve.
+    knots_deg
+        The knots, shape (d + 1,).
     stiffness
-        Noise of one sample over the expected size of a second difference, both in rad/s.
+        Noise of one sample over the expected size of a second difference of δ, both in rad/s.
+    standing_deg
+        Lowest and highest phase at which the motor stood, or None: it stands in between, as
+        static friction that holds against two drives holds against any drive between them.
+    n
+        Number of samples the rows stand beside: what is known keeps its share.
 
     Returns
     -------
     Array
-        Shape (d − 1, d + 1).
+        Shape (m, d + 1).
     """
-    rows: Array = stiffness * np.diff(np.eye(degree + 1), 2, axis=0)
-    return rows
+    degree = knots_deg.size - 1
+    smooth: Array = stiffness * np.sqrt(n) * np.diff(np.eye(degree + 1), 2, axis=0)
+    if standing_deg is None:
+        return smooth
+    low_deg, high_deg = np.clip(standing_deg, knots_deg[0], knots_deg[-1]).tolist()
+    phase_deg = np.linspace(low_deg, high_deg, _STANDING_ROWS)
+    still = bernstein_basis(bezier_abscissa(phase_deg, knots_deg), degree)
+    return np.vstack([smooth, _STANDING_WEIGHT * np.sqrt(n) * still])
 
 
 def curve_rows(data: Dataset, point: int, dynamics: Dynamics) -> CurveRows:
@@ -117,7 +135,7 @@ def curve_rows(data: Dataset, point: int, dynamics: Dynamics) -> CurveRows:
     phases, speeds = _dwell_medians(data, point, forget)
     if phases.size >= _FEWEST_DWELLS:
         fold = _phase_folds(phases)
-        return CurveRows((phases,), (speeds,), (fold,), NONE)
+        return CurveRows((phases,), (speeds,), (fold,), NONE, _standing_deg(phases, speeds))
     pieces = [s for s in data.segments if s.point == point]
     total = sum(s.n for s in pieces)
     keep = min(1.0, _MOST_ROWS / total)
@@ -190,7 +208,7 @@ def fitted_curve(rows: CurveRows, choice: Choice) -> StaticCurve:
     """
     factors, fixed = _fold_factors(rows, choice.knots_deg)
     n = sum(int(np.count_nonzero(f >= 0)) for f in rows.fold)
-    pull = roughness(choice.knots_deg.size - 1, choice.stiffness * np.sqrt(n))
+    pull = prior_rows(choice.knots_deg, choice.stiffness, rows.standing_deg, n)
     return StaticCurve(choice.knots_deg, _solved(np.vstack([fixed, *factors]), pull))
 
 
@@ -218,7 +236,7 @@ def _judged(rows: CurveRows, knots_deg: Array, stiffnesses: Sequence[float]) -> 
     trained = [triangle(rest) for rest in others]
     choices = []
     for stiffness in stiffnesses:
-        pull = roughness(knots_deg.size - 1, stiffness * np.sqrt(n))
+        pull = prior_rows(knots_deg, stiffness, rows.standing_deg, n)
         sse = 0.0
         for factor, rest in zip(factors, trained, strict=True):
             delta = _solved(rest, pull)
@@ -260,6 +278,21 @@ def _dwell_medians(data: Dataset, point: int, forget: int) -> tuple[Array, Array
     return np.array(phases), np.array(speeds)
 
 
+def _standing_deg(phase_deg: Array, speed_rad_s: Array) -> tuple[float, float] | None:
+    """Return the ends of the run of standing dwells nearest to phase 0."""
+    order = np.argsort(phase_deg)
+    standing = np.abs(speed_rad_s[order]) <= _STANDING_SPEED * np.max(np.abs(speed_rad_s))
+    if not np.any(standing):
+        return None
+    sorted_deg = phase_deg[order]
+    nearest = int(np.argmin(np.where(standing, np.abs(sorted_deg), np.inf)))
+    below, above = np.flatnonzero(~standing[:nearest]), np.flatnonzero(~standing[nearest:])
+    first = 0 if below.size == 0 else int(below[-1]) + 1
+    last = standing.size - 1 if above.size == 0 else nearest + int(above[0]) - 1
+    low_deg, high_deg = float(sorted_deg[first]), float(sorted_deg[last])
+    return (low_deg, high_deg) if low_deg < high_deg else None
+
+
 def _phase_folds(phase_deg: Array) -> NDArray[np.int64]:
     """Equal phases share a fold; the ends are never held out, nothing lies beyond them."""
     distinct, place = np.unique(phase_deg, return_inverse=True)
@@ -267,36 +300,3 @@ def _phase_folds(phase_deg: Array) -> NDArray[np.int64]:
     fold_of[[0, -1]] = -1
     fold: NDArray[np.int64] = fold_of[place]
     return fold
-
-
-def bends_deg(curve: StaticCurve, standing_rad_s: float) -> tuple[float, ...]:
-    """Return where the curve leaves standstill, from tangents beside the dead zone.
-
-    Parameters
-    ----------
-    curve
-        The settled speed, as far as it is known.
-    standing_rad_s
-        Speed (absolute) that counts as standing.
-    """
-    grid_deg = np.linspace(curve.knots_deg[0], curve.knots_deg[-1], 2001)
-    speed_rad_s = curve.speed_rad_s(grid_deg)
-    size = np.abs(speed_rad_s)
-    if size.min() > standing_rad_s or size.max() < 5.0 * standing_rad_s:
-        return ()
-    centre = int(np.argmin(size))
-    bends = []
-    for way in (-1, 1):
-        along, angle_deg = size[centre::way], grid_deg[centre::way]
-        slow, fast = (_first_above(along, f * standing_rad_s) for f in (1.0, 4.0))
-        if slow is None or fast is None or along[fast] <= along[slow]:
-            continue
-        slope = (along[fast] - along[slow]) / (angle_deg[fast] - angle_deg[slow])
-        bends.append(float(angle_deg[slow] - along[slow] / slope))
-    return tuple(sorted(np.clip(bends, grid_deg[0], grid_deg[-1]).tolist()))
-
-
-def _first_above(values: Array, level: float) -> int | None:
-    """Index of the first value above a level."""
-    above = values > level
-    return int(np.argmax(above)) if np.any(above) else None
