@@ -1,0 +1,59 @@
+"""The sweep's own code on the testbed in this process: what campaigns run on."""
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from hil_sim.faults import Fault
+from hil_sim.in_process import InProcessBench
+from hil_sim.plant import MotorPlant
+from usmbench.cli.bench_session import Bench
+from usmbench.instruments.generator import SignalGenerator
+from usmbench.settings.bench import BenchSettings
+
+
+@dataclass(frozen=True, slots=True)
+class HandOnTheLoad:
+    """Turns the simulated load."""
+
+    testbed: InProcessBench
+
+    def set_load(self, torque_nm: float, *, ask: bool) -> None:
+        """Set the load; nobody has to be asked."""
+        self.testbed.set_load(torque_nm)
+
+    def load_is_set(self) -> bool:
+        """Return True: it was set at once."""
+        return True
+
+
+@contextmanager
+def in_process_bench(
+    seed: int = 0,
+    *,
+    settings: BenchSettings | None = None,
+    faults: Iterable[Fault] = (),
+    plant: MotorPlant | None = None,
+) -> Iterator[tuple[Bench, InProcessBench]]:
+    """Open the simulated testbed in this process, through the driver and the sweep's own loop."""
+    settings = settings or BenchSettings(name="simulated in process")
+    daq = settings.daq
+    testbed = InProcessBench(
+        seed,
+        sample_rate_hz=daq.sample_rate_hz,
+        samples_per_block=daq.samples_per_average,
+        family=daq.family,
+        faults=faults,
+        no_data_timeout_s=daq.no_data_timeout_s,
+        temperature=settings.temperature is not None,
+        plant=plant,
+    )
+    generator = SignalGenerator(
+        testbed.port,
+        clock=testbed.clock,
+        frequency_limits_hz=settings.generator.frequency_limits_hz,
+        phase_limits_deg=settings.generator.phase_limits_deg,
+    )
+    with testbed.source as source, generator:
+        operator = HandOnTheLoad(testbed)
+        yield Bench(settings, generator, source, operator, testbed.clock), testbed
