@@ -258,8 +258,9 @@ class SweepController:
 
     def _seen(self, block: SampleBlock, motion: WindowMotion, setting: Setting) -> Seen:
         edges = 0
-        if abs(motion.counts) <= STILL_COUNTS and must_move(
-            setting.phase_deg, self._interlock_settings
+        if abs(motion.counts) <= STILL_COUNTS and (
+            motion.index_error_counts is not None
+            or must_move(setting.phase_deg, self._interlock_settings)
         ):
             edges = int(np.count_nonzero(np.diff(block.counts)))
         return Seen(

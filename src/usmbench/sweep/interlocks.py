@@ -10,6 +10,7 @@ from usmbench.settings.bench import InterlockSettings
 WINDOWS_TO_TRIP = 2
 # A dead encoder channel lets an X4 counter toggle by one; a moving motor passes this at once.
 STILL_COUNTS = 2
+DEAD_CHANNEL = "one encoder channel is dead; look at the wires of channels A and B"
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +28,8 @@ class Seen:
     counts
         Counts of the window.
     edges
-        Changes of the counter within the window, in either direction.
+        Changes of the counter within the window, in either direction; may be 0 where the window
+        has counts, or nothing that an interlock asks about.
     window_s
         Duration of the window.
     temperature_c
@@ -176,10 +178,10 @@ def _no_motion(
 ) -> InterlockError:
     driven = f"driven at φ = {seen.phase_deg:g}° and {seen.frequency_hz:g} Hz for {still_s:.2f} s"
     limit = f"(limit no_motion_after_s {settings.no_motion_after_s:g} s)"
-    if edges > STILL_COUNTS:
+    if _goes_nowhere(0, edges):
         message = (
             f"no motion: {driven} {limit}, the counter changed {edges} times but went nowhere: "
-            "one encoder channel is dead; look at the wires of channels A and B"
+            f"{DEAD_CHANNEL}"
         )
     else:
         message = (
@@ -200,9 +202,21 @@ def _check_temperature(seen: Seen, settings: InterlockSettings) -> None:
 
 def _check_index(seen: Seen, settings: InterlockSettings) -> None:
     limit, error = settings.index_error_max_counts, seen.index_error_counts
-    if limit is not None and error is not None and abs(error) > limit:
-        raise LostCountsError(
-            f"the index pulse came {error:+d} counts off at {seen.speed_rad_s:.2f} rad/s (limit "
-            f"index_error_max_counts {limit}): counts are lost; look at the encoder's cable and "
-            "its lines in the bench file, or set the limit to null to record all the same"
+    if limit is None or error is None or abs(error) <= limit:
+        return
+    if _goes_nowhere(seen.counts, seen.edges):
+        why = f"the counter changed {seen.edges} times but went nowhere: {DEAD_CHANNEL}"
+    else:
+        why = (
+            "counts are lost; look at the encoder's cable and its lines in the bench file, or set "
+            "the limit to null to record all the same"
         )
+    raise LostCountsError(
+        f"the index pulse came {error:+d} counts off at {seen.speed_rad_s:.2f} rad/s (limit "
+        f"index_error_max_counts {limit}): {why}"
+    )
+
+
+def _goes_nowhere(counts: int, edges: int) -> bool:
+    """Return whether the counter toggles, as an X4 counter does on one channel alone."""
+    return abs(counts) <= STILL_COUNTS < edges

@@ -111,3 +111,9 @@ def test_lost_counts() -> None:
     with pytest.raises(LostCountsError, match="-2 counts off"):
         run([replace(WELL, index_error_counts=-2)])
     run([replace(WELL, index_error_counts=-50)], replace(LIMITS, index_error_max_counts=None))
+
+
+def test_a_dead_channel_that_the_index_shows() -> None:
+    toggling = replace(STILL, phase_deg=45.0, counts=1, edges=33, index_error_counts=-300)
+    with pytest.raises(LostCountsError, match="one encoder channel is dead"):
+        run([toggling])
