@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from hil_sim.board import Board
-from hil_sim.control import run_until_stopped
+from hil_sim.control import run_until_stopped, stop_signals
 from hil_sim.fault_entries import parse_fault, read_faults
 from hil_sim.faults import FaultKind, FaultSchedule
 from hil_sim.gpsim_board import GpsimBoard
@@ -17,7 +17,7 @@ from hil_sim.gpsim_bridge import GpsimBridge
 from hil_sim.plant import MotorPlant
 from hil_sim.running import RunningTestbed
 from hil_sim.testbed import BoardMachine
-from usmbench.errors import UsmbenchError
+from usmbench.errors import InputError, UsmbenchError
 
 # The pseudo-terminal's thread must get its turn within a byte's time, whatever the others compute.
 _SWITCH_INTERVAL_S: Final = 100e-6
@@ -69,6 +69,8 @@ def _board(kind: str) -> Iterator[BoardMachine]:
 
 
 def _run(arguments: argparse.Namespace) -> None:
+    if arguments.seed < 0:
+        raise InputError(f"the seed must be 0 or more, not {arguments.seed}")
     faults = [parse_fault(text) for text in arguments.fault]
     if arguments.fault_file is not None:
         faults += read_faults(arguments.fault_file)
@@ -76,6 +78,7 @@ def _run(arguments: argparse.Namespace) -> None:
     schedule = FaultSchedule(faults)
     sys.setswitchinterval(_SWITCH_INTERVAL_S)
     with (
+        stop_signals() as stop,
         _board(arguments.board) as board,
         RunningTestbed(plant, schedule, lock_step=arguments.lock_step, board=board) as running,
     ):
@@ -85,7 +88,7 @@ def _run(arguments: argparse.Namespace) -> None:
         else:
             print(f"serial port: {running.port}")
             print(f"DAQ address: {running.daq_address}", flush=True)
-        run_until_stopped(running.testbed, stdin_control=arguments.stdin_control)
+        run_until_stopped(running.testbed, stop, stdin_control=arguments.stdin_control)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -4,6 +4,8 @@ import json
 import os
 import select
 import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import FrameType
 from typing import Any, Final
 
@@ -45,28 +47,47 @@ def _checked(wish: Any) -> dict[str, float]:
     return wish
 
 
-def run_until_stopped(testbed: Testbed, *, stdin_control: bool) -> None:
-    """Return on SIGTERM, SIGINT or, under control from standard input, at its end.
+@contextmanager
+def stop_signals() -> Iterator[int]:
+    """Catch SIGTERM and SIGINT for as long as the context lasts.
+
+    Yields
+    ------
+    int
+        File descriptor that has something to read once one of them came.
+    """
+    reader, writer = os.pipe()
+
+    def note(_number: int, _frame: FrameType | None) -> None:
+        os.write(writer, b"\0")
+
+    previous = {number: signal.signal(number, note) for number in (signal.SIGTERM, signal.SIGINT)}
+    try:
+        yield reader
+    finally:
+        for number, handler in previous.items():
+            signal.signal(number, handler)
+        os.close(reader)
+        os.close(writer)
+
+
+def run_until_stopped(testbed: Testbed, stop: int, *, stdin_control: bool) -> None:
+    """Return when asked to stop or, under control from standard input, at its end.
 
     Parameters
     ----------
     testbed
         What is under control.
+    stop
+        File descriptor from `stop_signals`.
     stdin_control
         Whether standard input is read, so that the death of a parent ends this process too.
     """
-    signal_reader, signal_writer = os.pipe()
-
-    def stop(_number: int, _frame: FrameType | None) -> None:
-        os.write(signal_writer, b"\0")
-
-    for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, stop)
-    watched = [signal_reader, _STDIN] if stdin_control else [signal_reader]
+    watched = [stop, _STDIN] if stdin_control else [stop]
     unfinished = b""
     while True:
         readable, _, _ = select.select(watched, [], [])
-        if signal_reader in readable:
+        if stop in readable:
             return
         data = os.read(_STDIN, _READ_SIZE)
         if not data:
