@@ -12,7 +12,7 @@ from usmbench.instruments.encoder import EncoderGeometry, EncoderState, WindowMo
 from usmbench.instruments.samples import SampleBlock, SampleSource
 from usmbench.settings.bench import BenchSettings, InterlockSettings
 from usmbench.sweep.drive import CommandedDrive, DriveControl, Setting
-from usmbench.sweep.interlocks import STILL_COUNTS, InterlockState, Seen, must_move, watch
+from usmbench.sweep.interlocks import STILL_COUNTS, InterlockState, Seen, watch
 from usmbench.sweep.interrupts import Interrupts, deferred_interrupts
 from usmbench.sweep.operator import Operator
 from usmbench.sweep.rows import PairRow, Sink, WindowRow
@@ -259,13 +259,13 @@ class SweepController:
     def _seen(self, block: SampleBlock, motion: WindowMotion, setting: Setting) -> Seen:
         edges = 0
         if abs(motion.counts) <= STILL_COUNTS and (
-            motion.index_error_counts is not None
-            or must_move(setting.phase_deg, self._interlock_settings)
+            setting.drive_on or motion.index_error_counts is not None
         ):
             edges = int(np.count_nonzero(np.diff(block.counts)))
         return Seen(
             setting.phase_deg,
             setting.frequency_hz,
+            setting.torque_nm,
             bool(setting.drive_on),
             motion.average_rad_s,
             motion.counts,

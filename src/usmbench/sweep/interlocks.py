@@ -1,10 +1,11 @@
 """When the drive must go off: pure checks, one window after another."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 
 from usmbench.errors import InterlockError, LostCountsError
 from usmbench.settings.bench import InterlockSettings
+from usmbench.sweep.proven_motion import NOTHING_PROVEN, ProvenMotion, must_move, prove
 
 # One window may hold a false count; two in a row are motion.
 WINDOWS_TO_TRIP = 2
@@ -19,8 +20,8 @@ class Seen:
 
     Parameters
     ----------
-    phase_deg, frequency_hz
-        The drive in force.
+    phase_deg, frequency_hz, torque_nm
+        The drive and the load in force.
     drive_on
         Whether the outputs are on.
     speed_rad_s
@@ -42,6 +43,7 @@ class Seen:
 
     phase_deg: float
     frequency_hz: float
+    torque_nm: float
     drive_on: bool
     speed_rad_s: float
     counts: int
@@ -61,7 +63,7 @@ class InterlockState:
     fast_windows
         Windows in a row above the over-speed limit.
     still_s
-        Time without motion though driven hard.
+        Time without motion though driven where it has to move.
     still_counts
         Counts in that time.
     still_edges
@@ -72,6 +74,8 @@ class InterlockState:
         Time since the drive went off.
     moving_off_windows
         Windows in a row with motion though the drive is off.
+    proven
+        Where motion was seen.
     """
 
     fast_windows: int = 0
@@ -81,22 +85,7 @@ class InterlockState:
     driven_s: float = 0.0
     off_s: float = inf
     moving_off_windows: int = 0
-
-
-def must_move(phase_deg: float, settings: InterlockSettings) -> bool:
-    """Return whether the motor has to move at a phase, if it is driven.
-
-    The travelling part of the wave goes with sin φ: 180° is as still as 0°.
-
-    Parameters
-    ----------
-    phase_deg
-        Phase shift.
-    settings
-        The limits.
-    """
-    distance_deg = min(abs(phase_deg), 180.0 - abs(phase_deg))
-    return distance_deg >= settings.no_motion_phase_deg
+    proven: ProvenMotion = NOTHING_PROVEN
 
 
 def watch(state: InterlockState, seen: Seen, settings: InterlockSettings) -> InterlockState:
@@ -129,7 +118,9 @@ def watch(state: InterlockState, seen: Seen, settings: InterlockSettings) -> Int
     if not seen.drive_on:
         off_s = state.off_s + seen.window_s
         moving = _moving_off_windows(state, seen, settings)
-        return InterlockState(fast_windows, off_s=off_s, moving_off_windows=moving)
+        return InterlockState(
+            fast_windows, off_s=off_s, moving_off_windows=moving, proven=state.proven
+        )
     driven_s = state.driven_s + seen.window_s
     if driven_s > settings.drive_time_max_s:
         raise InterlockError(
@@ -137,13 +128,16 @@ def watch(state: InterlockState, seen: Seen, settings: InterlockSettings) -> Int
             f"{settings.drive_time_max_s:g} s); let the motor cool and take the plan up again",
             interlock="drive_time_max_s",
         )
+    setting = (seen.frequency_hz, seen.torque_nm, seen.phase_deg)
+    proven = prove(state.proven, setting, abs(seen.counts) > STILL_COUNTS)
+    running = InterlockState(fast_windows, driven_s=driven_s, off_s=0.0, proven=proven)
     still_counts = state.still_counts + seen.counts
-    if not must_move(seen.phase_deg, settings) or abs(still_counts) > STILL_COUNTS:
-        return InterlockState(fast_windows, driven_s=driven_s, off_s=0.0)
+    if not must_move(proven, seen.phase_deg, settings) or abs(still_counts) > STILL_COUNTS:
+        return running
     still_s, still_edges = state.still_s + seen.window_s, state.still_edges + seen.edges
     if still_s >= settings.no_motion_after_s:
         raise _no_motion(still_s, still_edges, seen, settings)
-    return InterlockState(fast_windows, still_s, still_counts, still_edges, driven_s, 0.0)
+    return replace(running, still_s=still_s, still_counts=still_counts, still_edges=still_edges)
 
 
 def _fast_windows(state: InterlockState, seen: Seen, settings: InterlockSettings) -> int:

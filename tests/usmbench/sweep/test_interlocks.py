@@ -4,11 +4,11 @@ import pytest
 
 from usmbench.errors import InterlockError, LostCountsError
 from usmbench.settings.bench import InterlockSettings
-from usmbench.sweep.interlocks import InterlockState, Seen, must_move, watch
+from usmbench.sweep.interlocks import InterlockState, Seen, watch
 
 LIMITS = InterlockSettings()
 # Ten windows of 10 ms at 9 rad/s and full phase: all is well.
-WELL = Seen(90.0, 41_000.0, True, 9.0, 29, 29, 0.01)
+WELL = Seen(90.0, 41_000.0, 0.0, True, 9.0, 29, 29, 0.01)
 STILL = replace(WELL, speed_rad_s=0.0, counts=0, edges=0)
 OFF = replace(STILL, phase_deg=0.0, drive_on=False)
 
@@ -63,13 +63,6 @@ def test_slow_motion_is_motion() -> None:
     run([replace(STILL, counts=int(n % 10 == 0), edges=1) for n in range(1000)])
 
 
-@pytest.mark.parametrize(
-    ("phase_deg", "moves"), [(85, True), (-95, True), (84, False), (96, False), (180, False)]
-)
-def test_where_the_motor_must_move(phase_deg: float, moves: bool) -> None:
-    assert must_move(phase_deg, LIMITS) is moves
-
-
 def test_standing_in_the_dead_zone_is_no_fault() -> None:
     run([replace(STILL, phase_deg=70.0, frequency_hz=42_000.0)] * 500)
 
@@ -117,3 +110,9 @@ def test_a_dead_channel_that_the_index_shows() -> None:
     toggling = replace(STILL, phase_deg=45.0, counts=1, edges=33, index_error_counts=-300)
     with pytest.raises(LostCountsError, match="one encoder channel is dead"):
         run([toggling])
+
+
+def test_a_motor_that_moved_at_this_phase_must_go_on_moving() -> None:
+    slow = replace(WELL, phase_deg=30.0, counts=7, edges=7)
+    error = trip([slow] * 10 + [replace(STILL, phase_deg=40.0)] * 50)
+    assert error.interlock == "no_motion_after_s"
