@@ -197,6 +197,7 @@ class Card:
             return self._read_now(task, n_samples)
 
     def _readable_in_s(self, task: Task, n_samples: int) -> float:
+        self.check_alive()
         if not task.running:
             raise NiError(NiCode.TASK_NOT_RUNNING, f"Task {task.name} is not running")
         return self._clock.wait_s(task.position + n_samples)
@@ -242,8 +243,7 @@ class Card:
         """
         with self._changed:
             while task in self.tasks and task.event_samples and not gone.is_set():
-                if not self._lock_step:  # there the next read finds out
-                    self.check_alive()
+                self.check_alive()
                 wait_s = self._event_in_s(task)
                 if wait_s <= 0:
                     return self._send_event(task)

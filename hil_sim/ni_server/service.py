@@ -90,6 +90,7 @@ class NiDaqService:
 
         def answer(request: Any, context: Any) -> Any:
             try:
+                self._card.check_alive()
                 return call(request, context)
             except NiError as error:
                 _refuse(context, error)
@@ -100,7 +101,6 @@ class NiDaqService:
         return answer
 
     def _task(self, request: Any) -> Task:
-        self._card.check_alive()
         return self._card.tasks.get(request.task.name)
 
     def _driver_version(self, request: Any, _context: Any) -> Any:
@@ -179,8 +179,8 @@ class NiDaqService:
 
     def _reader(self, response: Callable[..., Any]) -> Call:
         def read(request: Any, _context: Any) -> Any:
-            task = self._card.tasks.get(request.task.name)
-            values = self._card.read(task, request.num_samps_per_chan, request.timeout)
+            n_samples = request.num_samps_per_chan
+            values = self._card.read(self._task(request), n_samples, request.timeout)
             return read_answer(response, values)
 
         return read

@@ -215,6 +215,11 @@ def test_no_server_shows_at_opening() -> None:
     assert time.monotonic() - started_s < 10.0
 
 
+def test_the_driver_of_this_computer_is_asked_where_there_is_no_address() -> None:
+    with pytest.raises(InputError, match=r"driver is not installed|-200220"):
+        NiSampleSource(DaqSettings(device="NoSuchCard"))
+
+
 def test_a_card_in_use_is_refused(serve_encoder: Any) -> None:
     server, _ = serve_encoder()
     with (
