@@ -17,7 +17,7 @@ from hil_sim.gpsim_bridge import GpsimBridge
 from hil_sim.plant import MotorPlant
 from hil_sim.running import RunningTestbed
 from hil_sim.testbed import BoardMachine
-from usmbench.errors import InputError, UsmbenchError
+from usmbench.errors import BenchError, InputError, UsmbenchError
 
 # The pseudo-terminal's thread must get its turn within a byte's time, whatever the others compute.
 _SWITCH_INTERVAL_S: Final = 100e-6
@@ -104,6 +104,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     except UsmbenchError as error:
         print(f"hil_sim: {error}", file=sys.stderr)
         return error.exit_status
+    except OSError as error:
+        print(f"hil_sim: no port or pseudo-terminal can be opened: {error}", file=sys.stderr)
+        return BenchError.exit_status
     return 0
 
 

@@ -114,6 +114,16 @@ class InProcessPort:
         """Return up to `size` bytes, fewer when `timeout` seconds of simulated time pass first.
 
         Without a time-out it does not wait: nothing else would ever make a byte arrive.
+
+        Parameters
+        ----------
+        size
+            Most bytes to return.
+
+        Raises
+        ------
+        OSError
+            The port has gone or was closed.
         """
         self._check()
         deadline_s = self._testbed.time_s + (self.timeout or 0.0)
@@ -128,7 +138,18 @@ class InProcessPort:
         return bytes(self._pending.popleft().byte for _ in range(min(size, self._ready())))
 
     def write(self, data: bytes, /) -> int:
-        """Send bytes."""
+        """Send bytes.
+
+        Parameters
+        ----------
+        data
+            The bytes.
+
+        Raises
+        ------
+        OSError
+            The port has gone or was closed.
+        """
         self._check()
         self._pending += self._testbed.host_bytes(bytes(data), self._testbed.time_s)
         return len(data)
