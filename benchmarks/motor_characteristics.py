@@ -8,12 +8,12 @@ from hil_sim.plant.characteristics import (
     FULL_SPEED_RAD_S,
     LAG_S,
     PUBLISHED_POINTS,
-    OperatingPoint,
     dead_zone_deg,
     lag_s,
     static_curve,
     warm_up,
 )
+from hil_sim.plant.rig import OperatingPoint
 from hil_sim.signals import Drive
 
 # The paper's dead zones at each frequency: at 41 kHz "the most nonlinear part" lies within ±20°, at

@@ -56,7 +56,7 @@ class ContactParameters:
         Slip that uses up most of the traction (its tanh has argument 1). Sets how traction, and
         with it the load's effect, falls from 41 to 42 kHz.
     clamp_limit_nm
-        Friction torque where nothing vibrates; the USR60 holds about 1 N·m unpowered. Set by the
+        Friction torque where nothing vibrates, which also holds the unpowered rotor. Set by the
         dead zones at 41.5 and 42 kHz.
     release_amplitude
         Vibration amplitude, relative to resonance, that frees the contact (to 1/e). Set by the

@@ -6,8 +6,9 @@ In the frame that turns with the drive at angular frequency Ω, mode k obeys
 
 with u_A = amplitude A and u_B = amplitude B · exp(iφ), so that |z| = 1 at resonance and nominal
 voltage. The drive is constant between two commands, so each step is exact. The waves that run
-either way round the ring have the amplitudes |z_A ∓ i z_B| / 2 (Hagood and McFarland,
-doi:10.1109/58.365235, for the modes).
+either way round the ring have the amplitudes |z_A ∓ i z_B| / 2 (for the modes see
+Hagood and McFarland, "Modeling of a piezoelectric rotary ultrasonic motor", IEEE Trans. Ultrason.,
+Ferroelect., Freq. Control 42, 1995, pp. 210-224).
 """
 
 import cmath

@@ -8,13 +8,13 @@ from hil_sim.plant.characteristics import (
     FULL_SPEED_RAD_S,
     LAG_S,
     PUBLISHED_POINTS,
-    OperatingPoint,
     dead_zone_deg,
     lag_s,
     static_curve,
     warm_up,
 )
 from hil_sim.plant.parameters import PlantParameters
+from hil_sim.plant.rig import OperatingPoint
 
 MOTOR = PlantParameters()
 NO_LOAD = OperatingPoint()

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from hil_sim.plant.characteristics import OperatingPoint, dead_zone_deg, static_curve
+from hil_sim.plant.characteristics import dead_zone_deg, static_curve
 from hil_sim.plant.parameters import PlantParameters
+from hil_sim.plant.rig import OperatingPoint
 
 
 def test_a_seed_draws_the_same_motor() -> None:
