@@ -1,6 +1,6 @@
 """The encoder disc: quadrature count and index pulse from the exact angle at each sample."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeVar
 
@@ -11,6 +11,8 @@ from hil_sim.plant.parameters import DiscParameters
 from hil_sim.plant.rotor import Piece, RotorState, is_rest
 
 Channel = Literal["a", "b"]
+DiscError = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+"""Angle by which the sensor sees the pattern ahead of the shaft, at the shaft's angles (rad)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,9 +42,12 @@ class Disc:
     ----------
     parameters
         Lines, start position, place of the index.
+    error
+        How the pattern departs from the shaft's angle; periodic in a turn. None where it does not.
     """
 
-    def __init__(self, parameters: DiscParameters):
+    def __init__(self, parameters: DiscParameters, error: DiscError | None = None):
+        self._error = error
         self._counts_per_rev = 4 * parameters.lines
         self._counts_per_rad = self._counts_per_rev / (2.0 * np.pi)
         self._offset = parameters.start_offset_counts
@@ -126,8 +131,10 @@ class Disc:
 
     def _true_count(self, shaft: RotorState) -> int:
         revolutions, angle_rad = self._place(shaft)
-        fraction = int(np.floor(angle_rad * self._counts_per_rad + self._offset))
-        return revolutions * self._counts_per_rev + fraction
+        fraction = angle_rad * self._counts_per_rad + self._offset
+        if self._error is not None:
+            fraction += float(self._error(np.array([angle_rad]))[0]) * self._counts_per_rad
+        return revolutions * self._counts_per_rev + int(np.floor(fraction))
 
     def _true_counts(
         self, times_s: NDArray[np.float64], path: Sequence[Piece]
@@ -154,6 +161,9 @@ class Disc:
         c_3 += c_1
         c_3 *= since_s
         c_3 += c_0
+        if self._error is not None:
+            angle_rad = (c_3 - self._offset) / self._counts_per_rad
+            c_3 += self._error(angle_rad) * self._counts_per_rad
         np.floor(c_3, out=c_3)
         c_3 += turns
         counts: NDArray[np.int64] = c_3.astype(np.int64)

@@ -12,7 +12,7 @@ import numpy as np
 from hil_sim.plant.contact import Contact, Grip
 from hil_sim.plant.noise import BLOCK, TorqueNoise
 from hil_sim.plant.parameters import PlantParameters
-from hil_sim.plant.rotor import Piece, Rotor, RotorState
+from hil_sim.plant.rotor import Piece, Rotor, RotorState, ShaftLoad
 from hil_sim.plant.stator import Stator
 from hil_sim.plant.thermal import HeatMeter, Thermal
 from hil_sim.signals import Drive
@@ -54,13 +54,15 @@ class Motion:
         The motor.
     seed
         Seed of the torque noise.
+    load
+        What else hangs on the shaft, or None.
     """
 
-    def __init__(self, parameters: PlantParameters, seed: int):
+    def __init__(self, parameters: PlantParameters, seed: int, load: ShaftLoad | None = None):
         p = parameters
         self._stator = Stator(p.stator)
         self._contact = Contact(p.contact)
-        self._rotor = Rotor(p.rotor)
+        self._rotor = Rotor(p.rotor, load)
         self._thermal = Thermal(p.thermal, _THERMAL_TICKS / TICKS_PER_S)
         self._noise = TorqueNoise(
             seed, p.rotor.noise_nm, p.rotor.noise_correlation_s, 1.0 / TICKS_PER_S

@@ -7,9 +7,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from hil_sim.plant.disc import Channel, Disc
+from hil_sim.plant.disc import Channel, Disc, DiscError
 from hil_sim.plant.motion import Motion
 from hil_sim.plant.parameters import PlantParameters
+from hil_sim.plant.rotor import ShaftLoad
 from hil_sim.signals import Drive, Samples
 
 # Longest stretch followed at once, which bounds the memory at low sample rates.
@@ -27,12 +28,23 @@ class MotorPlant:
         The motor.
     seed
         Seed of the torque noise.
+    load
+        What else hangs on the shaft, or None.
+    disc_error
+        How the disc's pattern departs from the shaft's angle; None where it does not.
     """
 
-    def __init__(self, parameters: PlantParameters | None = None, seed: int = 0):
+    def __init__(
+        self,
+        parameters: PlantParameters | None = None,
+        seed: int = 0,
+        *,
+        load: ShaftLoad | None = None,
+        disc_error: DiscError | None = None,
+    ):
         parameters = PlantParameters() if parameters is None else parameters
-        self._motion = Motion(parameters, seed)
-        self._disc = Disc(parameters.disc)
+        self._motion = Motion(parameters, seed, load)
+        self._disc = Disc(parameters.disc, disc_error)
         self._commands: deque[tuple[float, Callable[[], None]]] = deque()
         self._latest_s = 0.0
         self._clock_start_s, self._clock_rate_hz, self._clock_samples = 0.0, 1.0, 0

@@ -157,8 +157,8 @@ _Part = TypeVar("_Part", StatorParameters, ContactParameters, RotorParameters, T
 
 # Spread of each drawn parameter relative to the overall spread; what is not named stays.
 _RELATIVE_SPREAD = {
-    "resonance_hz": 0.02,
-    "quality_factor": 1.0,
+    "resonance_hz": 0.01,
+    "quality_factor": 0.5,
     "speed_per_amplitude_rad_s": 1.0,
     "traction_limit_nm": 1.0,
     "traction_slip_rad_s": 1.0,
@@ -211,9 +211,10 @@ class PlantParameters:
         rng
             Where the draw comes from.
         spread
-            Relative standard deviation of speed constant, friction, inertia and quality factor;
-            the resonance varies by a fiftieth of it. 0 gives the default motor but for the
-            mismatch of the modes and the position of the disc, which are drawn in any case.
+            Relative standard deviation of speed constant, friction and inertia; half of it for the
+            quality factor, a hundredth for the resonance, three times for what heat and bearings
+            do. 0 gives the default motor but for the mismatch of the modes and the position of
+            the disc, which are drawn in any case.
 
         Returns
         -------
@@ -223,7 +224,7 @@ class PlantParameters:
         base = cls()
         stator = replace(
             _vary(base.stator, rng, spread),
-            resonance_mismatch_hz=float(rng.normal(0.0, 6.0)),
+            resonance_mismatch_hz=float(rng.normal(0.0, 4.0)),
             gain_mismatch=float(rng.normal(0.0, 0.01)),
         )
         disc = replace(

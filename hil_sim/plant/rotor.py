@@ -8,7 +8,7 @@ the rotor stays unless the torque breaks it away.
 
 import math
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from hil_sim.plant.contact import Grip, traction
 from hil_sim.plant.parameters import RotorParameters
@@ -42,6 +42,26 @@ class RotorState(NamedTuple):
     angle_rad: float = 0.0
 
 
+class ShaftLoad(Protocol):
+    """What else hangs on the shaft than a brake and a weight.
+
+    Attributes
+    ----------
+    pull_bound_nm
+        Size that the pull never exceeds while the shaft stands still.
+    """
+
+    pull_bound_nm: float
+
+    def torques_nm(
+        self, time_s: float, angle_rad: float, speed_rad_s: float
+    ) -> tuple[float, float]:
+        """Return the pull (positive in the positive direction) and the drag against any motion.
+
+        Asked at the start of every step; a step may be done again from an earlier time.
+        """
+
+
 class Rotor:
     """The turning parts and the load on them.
 
@@ -49,10 +69,13 @@ class Rotor:
     ----------
     parameters
         Inertia, friction, weight.
+    load
+        What else hangs on the shaft, or None.
     """
 
-    def __init__(self, parameters: RotorParameters):
+    def __init__(self, parameters: RotorParameters, load: ShaftLoad | None = None):
         self._parameters = parameters
+        self._load = load
         self.state = RotorState()
         self.path: list[Piece] = []
         self.brake_nm = 0.0
@@ -85,6 +108,8 @@ class Rotor:
         if self.state.speed_rad_s != 0.0:
             return False
         pull_nm = traction(grip, 0.0)[0] + self._parameters.weight_nm
+        if self._load is not None:
+            disturbance_nm += self._load.pull_bound_nm
         breakaway_nm = self._friction_nm(grip) * self._parameters.breakaway_ratio
         return abs(pull_nm) + disturbance_nm <= breakaway_nm
 
@@ -101,14 +126,19 @@ class Rotor:
             Of the contact.
         """
         weight_nm, inertia = self._parameters.weight_nm, self._parameters.inertia_kg_m2
-        friction_nm = self._friction_nm(grip)
-        breakaway_nm = friction_nm * self._parameters.breakaway_ratio
+        own_friction_nm = friction_nm = self._friction_nm(grip)
+        breakaway_ratio, load = self._parameters.breakaway_ratio, self._load
         speed, revolutions, angle = self.state
         for end_s, noise_nm in steps:
             while start_s < end_s:
                 torque_nm, slope = traction(grip, speed)
                 torque_nm += weight_nm + noise_nm
-                if speed == 0.0 and abs(torque_nm) <= breakaway_nm:
+                if load is not None:
+                    total_rad = revolutions * _TURN_RAD + angle
+                    pull_nm, drag_nm = load.torques_nm(start_s, total_rad, speed)
+                    torque_nm += pull_nm
+                    friction_nm = own_friction_nm + drag_nm
+                if speed == 0.0 and abs(torque_nm) <= friction_nm * breakaway_ratio:
                     self._rest(start_s, revolutions, angle)
                     start_s = end_s
                     break
