@@ -15,6 +15,7 @@ from usmbench.instruments.protocol._generated import DELIMITER, ResetCause
 
 START_UP_CYCLES: Final = CYCLES_PER_SECOND // 1000
 """The first reset is over by then; simulated time starts there."""
+BYTE_CYCLES: Final = round(BYTE_S * CYCLES_PER_SECOND)
 REPLY_STARTS_CYCLES: Final = CYCLES_PER_SECOND * 6 // 10_000
 """A reply that has not started this long after a frame's end will not come."""
 
@@ -58,6 +59,7 @@ class GpsimBoard:
         self._reply = bytearray()
         self._reply_start_s = 0.0
         self._frame_began = False
+        self._line_free = 0
         self._take(bridge.command(f"run {START_UP_CYCLES}"))
 
     @property
@@ -88,11 +90,14 @@ class GpsimBoard:
             Simulated time of its end.
         """
         start = max(_cycles(time_s - BYTE_S), self._bridge.cycle)
+        self._line_free = max(start, self._line_free) + BYTE_CYCLES
         send = f"send {byte:02x} {start}"
         ends_frame = byte == DELIMITER and self._frame_began
         self._frame_began = byte != DELIMITER
         if ends_frame:
-            self._take(self._bridge.command(send, f"answer {start + REPLY_STARTS_CYCLES}"))
+            self._take(
+                self._bridge.command(send, f"answer {self._line_free + REPLY_STARTS_CYCLES}")
+            )
         else:
             self._take(self._bridge.command(send))
 

@@ -20,6 +20,7 @@ public:
 
     // True where a whole word came in.
     bool fsync(bool level, bool clock_level);
+    void abandon() { selected_ = false; }  // a word cut off by a reset, which the chip ignores
     void clock(bool level, bool data_level);
     void data();
 

@@ -56,11 +56,13 @@ struct Board {
           a('a'), b('b'), sender(rx), receiver(tx) {
         // RC0 and RC1 rise one after the other within one instruction: a word for both is one line.
         fsync_a.watch([this](bool level) {
+            if (pic.resetting()) return a.abandon();
             if (!a.fsync(level, sclk.level())) return;
             a_waits = b.selected();
             if (!a_waits) log_word("a", a);
         });
         fsync_b.watch([this](bool level) {
+            if (pic.resetting()) return b.abandon();
             if (!b.fsync(level, sclk.level())) return;
             const bool same = a_waits && a.latched() == b.latched();
             if (a_waits && !same) log_word("a", a);

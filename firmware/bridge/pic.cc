@@ -13,7 +13,8 @@
 #include "log.h"
 
 namespace {
-constexpr unsigned kIntcon = 0xFF2, kStkptr = 0xFFC, kRcon = 0xFD0;
+constexpr unsigned kIntcon = 0xFF2, kStkptr = 0xFFC, kRcon = 0xFD0, kTrisB = 0xF93, kTrisC = 0xF94,
+                   kSspcon1 = 0xFC6, kRcsta = 0xFAB, kTxsta = 0xFAC;
 constexpr unsigned kGie = 0x80, kStackFull = 0x80, kStackUnderflow = 0x40;
 constexpr unsigned kInterruptVector = 0x0008;
 constexpr double kClockHz = 4.0 * kCyclesPerSecond;
@@ -77,7 +78,13 @@ void Pic::reset(RESET_TYPE type) {
 // that the chip lets go; so every reset is a power-on there, and the cause is written after it.
 void Pic::restart(Cause cause) {
     running_ = false;
+    resetting_ = true;
+    for (unsigned tris : {kTrisB, kTrisC}) registers[tris]->put(0xFF);  // before the latches change
+    // gpsim stops these by writing to their registers, not by resetting them.
+    for (unsigned control : {kSspcon1, kRcsta, kTxsta}) registers[control]->put(0);
     P18F2520::reset(POR_RESET);
+    resetting_ = false;
+    intcon.in_interrupt = false;  // or a reset within an interrupt would leave it on for ever
     get_bp().clear_global();  // a halt that gpsim asked for would stop the cycle counter
     mExecute1Cycle->setNextPhase(mExecute1Cycle);
     mCurrentPhase = mExecute1Cycle;

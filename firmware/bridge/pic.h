@@ -25,6 +25,7 @@ public:
 
     void run_until(uint64_t cycle);
     void restart(Cause cause);
+    bool resetting() const { return resetting_; }  // its pins are letting go
     // Put a reset off to the end of the instruction that causes it.
     void reset(RESET_TYPE type) override;
 
@@ -41,5 +42,5 @@ private:
     std::optional<int> interrupt_level_;   // of the stack, within an interrupt
     std::optional<uint64_t> masked_since_;
     uint64_t interrupt_began_ = 0;
-    bool interrupts_used_ = false, running_ = false;
+    bool interrupts_used_ = false, running_ = false, resetting_ = false;
 };
