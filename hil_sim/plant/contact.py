@@ -57,15 +57,17 @@ class Contact:
         Returns
         -------
         Grip
-            Surface speed V·a·s with amplitude a and travelling share s; clamping torque
+            Surface speed V·a·s with amplitude a and travelling share s (times the backward ratio
+            where s is negative); clamping torque
             C·exp(−(a/a_r)^p)·(1 − s²·(1 − exp(−(a/a_l)²))), where 1 − s² is the standing share.
         """
         p = self._parameters
         amplitude, share = vibration
         frozen = math.exp(-((amplitude / p.release_amplitude) ** p.release_exponent))
+        teeth = 1.0 if share > 0.0 else p.backward_ratio
         lifted = -math.expm1(-((amplitude / p.lift_amplitude) ** 2))
         return Grip(
-            surface_speed_rad_s=p.speed_per_amplitude_rad_s * amplitude * share,
+            surface_speed_rad_s=p.speed_per_amplitude_rad_s * amplitude * share * teeth,
             traction_limit_nm=p.traction_limit_nm,
             traction_slip_rad_s=p.traction_slip_rad_s,
             clamp_nm=p.clamp_limit_nm * frozen * (1.0 - share * share * lifted),

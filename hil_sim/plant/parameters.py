@@ -66,6 +66,9 @@ class ContactParameters:
     lift_amplitude
         Amplitude below which the crests do not clear the friction layer, so that a travelling
         wave clamps like a standing one. Sets how fast the rotor stops after the drive.
+    backward_ratio
+        Surface speed of a backward wave relative to a forward one: not 1 where the teeth lean or
+        the friction layer has bedded in one way.
     """
 
     speed_per_amplitude_rad_s: float = 18.5
@@ -75,6 +78,7 @@ class ContactParameters:
     release_amplitude: float = 0.466
     release_exponent: float = 5.75
     lift_amplitude: float = 0.05
+    backward_ratio: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)
