@@ -9,7 +9,7 @@ from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.scores import fit_percent, rmse
 from usmbench.model.simulate import Simulation, simulate
-from usmbench.runs.record import Record
+from usmbench.runs.record import Column, Record
 
 _RATE_TOLERANCE = 1e-3
 
@@ -71,6 +71,8 @@ def replay_record(record: Record, model: HammersteinModel) -> Replay:
         record.frequency_hz,
         record.torque_nm,
         measured_rad_s=record.speed_rad_s,
+        t_s=record.t_s,
+        angle_rad=middle_angle_rad(record),
     )
     inside = simulation.inside
     if not np.any(inside):
@@ -92,6 +94,20 @@ def replay_record(record: Record, model: HammersteinModel) -> Replay:
     return Replay(
         simulation, rmse(measured, simulated), fit_percent(measured, simulated), tuple(warnings)
     )
+
+
+def middle_angle_rad(record: Record) -> Column:
+    """Return the shaft angle at the middle of each window, from the counter.
+
+    Parameters
+    ----------
+    record
+        The run; without a column `angle_rad` the speeds are added up.
+    """
+    turned_rad = record.speed_rad_s * record.window_s
+    end_rad = np.cumsum(turned_rad) if record.angle_rad is None else record.angle_rad
+    middle_rad: Column = end_rad - 0.5 * turned_rad
+    return middle_rad
 
 
 def _check_windows(record: Record, model: HammersteinModel) -> list[str]:

@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.errors import InputError
-from usmbench.model.hammerstein import HammersteinModel
-from usmbench.model.linear import fitted_start_rad_s, free_run
+from usmbench.model.effects.base import Context
+from usmbench.model.extended import applied_effects, extended_run
+from usmbench.model.hammerstein import HammersteinModel, OperatingPoint
 from usmbench.model.operating_points import point_weights
 
 Array = NDArray[np.float64]
@@ -46,6 +47,8 @@ def simulate(
     torque_nm: Array | None = None,
     *,
     measured_rad_s: Array | None = None,
+    t_s: Array | None = None,
+    angle_rad: Array | None = None,
 ) -> Simulation:
     """Run a model free over a sequence of commands.
 
@@ -61,6 +64,12 @@ def simulate(
     measured_rad_s
         Measured speed, shape (N,): only what the motor did before the first window is taken from
         its first windows. None starts settled at the first command.
+    t_s
+        End of each window from the start of the run, shape (N,), for effects that change with
+        time; None where the commands start with the run.
+    angle_rad
+        Shaft angle at the middle of each window, shape (N,), for effects that follow the angle;
+        None lets the simulation turn its own shaft.
 
     Returns
     -------
@@ -78,18 +87,55 @@ def simulate(
     if not np.all(np.isfinite(phase_deg)):
         raise InputError(f"phase_deg of row {int(np.argmin(np.isfinite(phase_deg)))} is no number")
     weights, outside_point = point_weights(model.points, phase_deg.size, frequency_hz, torque_nm)
-    settled_rad_s = np.zeros(phase_deg.size)
-    outside_phase = np.zeros(phase_deg.size, dtype=np.bool_)
-    for point, weight in zip(model.points, weights, strict=True):
-        rows = weight != 0.0
-        if not np.any(rows):
-            continue
-        here_deg = phase_deg[rows]
-        settled_rad_s[rows] += weight[rows] * point.curve.speed_rad_s(here_deg)
-        low_deg, high_deg = point.phase_range_deg
-        outside_phase[rows] |= (here_deg < low_deg) | (here_deg > high_deg)
-    start_rad_s = None
-    if measured_rad_s is not None:
-        start_rad_s = fitted_start_rad_s(model.linear, settled_rad_s, measured_rad_s)
-    speed_rad_s = free_run(model.linear, settled_rad_s, start_rad_s)
-    return Simulation(speed_rad_s, settled_rad_s, outside_phase, outside_point)
+    window_s = 1.0 if model.linear.window_s is None else model.linear.window_s
+    if t_s is None:
+        t_s = window_s * np.arange(1.0, phase_deg.size + 1.0)
+    curve = MixedCurve(model.points, tuple(weights))
+    context = Context(t_s, window_s, phase_deg, curve, model.linear, angle_rad)
+    run = extended_run(applied_effects(model.effects), context, measured_rad_s)
+    return Simulation(run.speed_rad_s, run.settled_rad_s, curve.outside(phase_deg), outside_point)
+
+
+@dataclass(frozen=True, slots=True)
+class MixedCurve:
+    """The static curve row by row, mixed from those of the operating points.
+
+    Parameters
+    ----------
+    points
+        The operating points.
+    weights
+        Weight of each point on each row, shape (N,) each.
+    """
+
+    points: tuple[OperatingPoint, ...]
+    weights: tuple[Array, ...]
+
+    def __call__(self, phase_deg: Array) -> Array:
+        """Return the settled speed of each row.
+
+        Parameters
+        ----------
+        phase_deg
+            Phase of each row, shape (N,).
+        """
+        settled_rad_s = np.zeros(phase_deg.size)
+        for point, weight in zip(self.points, self.weights, strict=True):
+            rows = weight != 0.0
+            if np.any(rows):
+                settled_rad_s[rows] += weight[rows] * point.curve.speed_rad_s(phase_deg[rows])
+        return settled_rad_s
+
+    def outside(self, phase_deg: Array) -> NDArray[np.bool_]:
+        """Return where a phase lies beyond a point's range.
+
+        Parameters
+        ----------
+        phase_deg
+            Phase of each row, shape (N,).
+        """
+        beyond = np.zeros(phase_deg.size, dtype=np.bool_)
+        for point, weight in zip(self.points, self.weights, strict=True):
+            low_deg, high_deg = point.phase_range_deg
+            beyond |= (weight != 0.0) & ((phase_deg < low_deg) | (phase_deg > high_deg))
+        return beyond

@@ -1,0 +1,1 @@
+"""Physical causes by which a simulation is extended, one file a cause."""

@@ -1,0 +1,194 @@
+"""What an effect is: the change that one physical cause makes to the simulation.
+
+The simulation runs phase φ → static curve → linear dynamics → speed ω. An effect acts at one
+stage of it:
+
+========== ================================================== ========================
+stage      signal it is given                                 what it stands for
+========== ================================================== ========================
+command    φ, as the board was told                           generator and amplifier
+settled    the settled speed v(φ)                             stator, contact, load
+dynamics   nothing; it returns another linear part            inertia, loop delays
+motion     the speed ω of the shaft                           shaft and coupling
+counter    the speed ω that the counter will report           encoder, card
+========== ================================================== ========================
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.model.hammerstein import LinearPart
+
+Array = NDArray[np.float64]
+Stage = Literal["command", "settled", "dynamics", "motion", "counter"]
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A number that sizes an effect.
+
+    Parameters
+    ----------
+    name
+        Its name, with the unit in it where it has one.
+    unit
+        Unit; "1" where it is a plain ratio.
+    null
+        Value at which the effect vanishes, or, of a parameter that only shapes the effect (a
+        threshold, a time constant), any value.
+    low, high
+        Plausible bounds.
+    typical
+        A size (distance from null) that is small and yet worth finding; the step of derivatives.
+    scanned
+        Whether it shapes the effect: it means nothing where the effect has no size, so it is
+        searched over a grid; see `Effect.grid`.
+    """
+
+    name: str
+    unit: str
+    null: float
+    low: float
+    high: float
+    typical: float
+    scanned: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Context:
+    """What an effect may know of an unbroken stretch of a run; columns have shape (N,).
+
+    Parameters
+    ----------
+    t_s
+        End of each window, from the first sample of the run.
+    window_s
+        Duration of a window.
+    phase_deg
+        Commanded phase.
+    settled_rad_s
+        The model's static curve at this stretch's operating points: phases in, speeds out.
+    linear
+        The model's linear part.
+    angle_rad
+        Shaft angle by the counter at the middle of each window; None where only the simulation
+        itself can say.
+    temperature_c
+        Temperature, where it was measured.
+    """
+
+    t_s: Array
+    window_s: float
+    phase_deg: Array
+    settled_rad_s: Callable[[Array], Array]
+    linear: LinearPart
+    angle_rad: Array | None = None
+    temperature_c: Array | None = None
+
+    @property
+    def n(self) -> int:
+        """Number of windows."""
+        return self.t_s.size
+
+
+class Effect(ABC):
+    """One form of one cause; see the class attributes of any file beside this one.
+
+    A cause may take several forms (a load that pulls one way, a load that brakes): classes with
+    the same `name` and another `form`.
+    """
+
+    name: ClassVar[str]
+    form: ClassVar[str] = ""
+    meaning: ClassVar[str]
+    mend: ClassVar[str]
+    stage: ClassVar[Stage]
+    parameters: ClassVar[tuple[Parameter, ...]]
+    needs: ClassVar[tuple[str, ...]] = ()
+    sporadic: ClassVar[bool] = False
+
+    @abstractmethod
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the signal as the cause changes it.
+
+        Parameters
+        ----------
+        signal
+            The stage's signal, shape (N,).
+        context
+            The stretch.
+        values
+            A value for each parameter.
+        """
+
+    def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
+        """Return the values at which each scanned parameter is tried first, rising.
+
+        Parameters
+        ----------
+        contexts
+            All stretches of the runs under diagnosis.
+        """
+        return {}
+
+    def untestable(self, contexts: Sequence[Context]) -> str | None:
+        """Return why these runs cannot show the cause, or None where they can.
+
+        Parameters
+        ----------
+        contexts
+            All stretches of the runs under diagnosis.
+        """
+        return None
+
+    @property
+    def null(self) -> dict[str, float]:
+        """Values at which the effect vanishes."""
+        return {p.name: p.null for p in self.parameters}
+
+
+class DynamicsEffect(Effect):
+    """An effect that puts other dynamics in the place of the model's."""
+
+    stage = "dynamics"
+
+    @abstractmethod
+    def linear_part(self, linear: LinearPart, context: Context, values: Values) -> LinearPart:
+        """Return the linear part as the cause changes it.
+
+        Parameters
+        ----------
+        linear
+            The model's linear part.
+        context
+            The stretch.
+        values
+            A value for each parameter.
+        """
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the signal unchanged: only the linear part differs.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        return signal
+
+
+def longest_s(contexts: Sequence[Context]) -> float:
+    """Return the time from the start of a run to the end of its last window, in seconds.
+
+    Parameters
+    ----------
+    contexts
+        Stretches, at least one.
+    """
+    return max(float(context.t_s[-1]) for context in contexts)

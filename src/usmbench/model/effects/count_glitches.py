@@ -1,0 +1,42 @@
+"""Isolated false counts."""
+
+import numpy as np
+
+from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+
+_SEED = 20_240_229
+
+
+class CountGlitches(Effect):
+    """Windows with false counts at random moments: spikes of a typical size, either sign.
+
+    Which windows are hit cannot be foreseen: the extended simulation draws them, always the same
+    for the same run.
+    """
+
+    name = "count_glitches"
+    meaning = "Isolated windows hold false counts: spikes that have nothing to do with the motion."
+    mend = "Look at the encoder's cable, shield and ground; raise the counter's digital filter."
+    stage = "counter"
+    sporadic = True
+    parameters = (
+        Parameter("rate_hz", "1/s", 0.0, 0.0, 100.0, 0.1),
+        Parameter("size_rad_s", "rad/s", 0.0, 0.0, 1e4, 1.0),
+    )
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the speed that is reported.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        draw = np.random.default_rng(_SEED)
+        hit = draw.random(signal.size) < values["rate_hz"] * context.window_s
+        way = np.where(draw.random(signal.size) < 0.5, -1.0, 1.0)
+        spiked: Array = signal + values["size_rad_s"] * hit * way
+        return spiked
+
+
+FORMS = (CountGlitches(),)

@@ -1,0 +1,108 @@
+"""It starts later than it stops."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+
+_STANDING = 0.01  # share of the highest settled speed of the stretch below which the rotor stands
+_MEANING = "The motor starts later than it stops: the dead zone depends on where φ comes from."
+_MEND = "Look at preload and friction layer; run in the contact; sweep slowly through 0°."
+
+
+class Sticking(Effect):
+    """A standing rotor needs h degrees more than the curve says; a running one follows the curve.
+
+    Adhesion in the contact: once broken, the friction is the one that the curve was measured with.
+    """
+
+    name = "dead_zone_hysteresis"
+    form = "sticking"
+    meaning = _MEANING
+    mend = _MEND
+    stage = "settled"
+    parameters = (Parameter("start_later_deg", "deg", 0.0, 0.0, 60.0, 1.0, scanned=True),)
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the settled speed, 0 while the rotor sticks.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        later_deg = values["start_later_deg"]
+        if later_deg <= 0.0:
+            return signal
+        way = np.sign(signal)
+        least_rad_s = standing_rad_s(context)
+        before_rad_s = context.settled_rad_s(context.phase_deg - way * later_deg)
+        starts = (np.abs(signal) > least_rad_s) & (way * before_rad_s > least_rad_s)
+        stops = (np.abs(signal) <= least_rad_s) | (way != np.r_[way[:1], way[:-1]])
+        return np.where(_latched(starts, stops & ~starts), signal, 0.0)
+
+    def grid(self, contexts: object) -> dict[str, Array]:
+        """Return a few widths up to 40°.
+
+        Parameters
+        ----------
+        contexts
+            All stretches.
+        """
+        return {"start_later_deg": np.geomspace(0.3, 40.0, 36)}
+
+
+class DirectedEdges(Effect):
+    """Both edges shift by h with the direction of the last move: v′ = v(φ ∓ h/2)."""
+
+    name = "dead_zone_hysteresis"
+    form = "directed edges"
+    meaning = _MEANING
+    mend = _MEND
+    stage = "settled"
+    parameters = (Parameter("width_deg", "deg", 0.0, -5.0, 60.0, 0.5),)
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the settled speed: the dead zone is wider outward bound and narrower inward.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        outward = _latest(np.sign(np.diff(np.abs(context.phase_deg), prepend=0.0)))
+        shift_deg = 0.5 * values["width_deg"] * outward * np.sign(context.phase_deg)
+        return (
+            signal
+            + context.settled_rad_s(context.phase_deg - shift_deg)
+            - (context.settled_rad_s(context.phase_deg))
+        )
+
+
+def standing_rad_s(context: Context) -> float:
+    """Return the settled speed below which the rotor counts as standing.
+
+    Parameters
+    ----------
+    context
+        The stretch.
+    """
+    return _STANDING * float(np.max(np.abs(context.settled_rad_s(context.phase_deg))))
+
+
+def _latched(starts: NDArray[np.bool_], stops: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """State of a latch that the one sets and the other resets; set before the first event."""
+    rows = np.arange(starts.size)
+    last = np.maximum.accumulate(np.where(starts | stops, rows, -1))
+    state: NDArray[np.bool_] = np.where(last >= 0, starts[np.maximum(last, 0)], True)
+    return state
+
+
+def _latest(step: Array) -> Array:
+    """Last step that was not 0, 0 before the first."""
+    rows = np.arange(step.size)
+    last = np.maximum.accumulate(np.where(step != 0.0, rows, -1))
+    return np.where(last >= 0, step[np.maximum(last, 0)], 0.0)
+
+
+FORMS = (Sticking(), DirectedEdges())

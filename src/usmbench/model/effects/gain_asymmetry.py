@@ -1,0 +1,56 @@
+"""One direction is faster."""
+
+import numpy as np
+
+from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+
+_MEANING = "The motor is faster in one direction than in the other, against the simulation."
+_MEND = "Compare the two channels' amplitudes, and swap them: the fast direction must swap too."
+
+
+class GainAsymmetry(Effect):
+    """v′ = v (1 + a/2) forwards, v (1 − a/2) backwards."""
+
+    name = "gain_asymmetry"
+    form = "balanced"
+    meaning = _MEANING
+    mend = _MEND
+    stage = "settled"
+    parameters = (Parameter("asymmetry", "1", 0.0, -1.5, 1.5, 0.01),)
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the settled speed.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        return signal + 0.5 * values["asymmetry"] * np.abs(signal)
+
+
+class TwoGains(Effect):
+    """v′ = v (1 + f) forwards, v (1 + b) backwards."""
+
+    name = "gain_asymmetry"
+    form = "two gains"
+    meaning = _MEANING
+    mend = _MEND
+    stage = "settled"
+    parameters = (
+        Parameter("forward", "1", 0.0, -0.8, 2.0, 0.01),
+        Parameter("backward", "1", 0.0, -0.8, 2.0, 0.01),
+    )
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the settled speed.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        return signal * (1.0 + np.where(signal > 0.0, values["forward"], values["backward"]))
+
+
+FORMS = (GainAsymmetry(), TwoGains())

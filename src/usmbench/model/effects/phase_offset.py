@@ -1,0 +1,26 @@
+"""The two drive phases are not where they are commanded."""
+
+from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+
+
+class PhaseOffset(Effect):
+    """φ′ = φ + offset: a constant angle between the two channels, from cables or amplifiers."""
+
+    name = "phase_offset"
+    meaning = "The two drive phases are a constant angle away from where they are commanded."
+    mend = "Measure the phase between the amplifier outputs at 0° with an oscilloscope."
+    stage = "command"
+    parameters = (Parameter("offset_deg", "deg", 0.0, -60.0, 60.0, 0.2),)
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the phase that reaches the motor.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        return signal + values["offset_deg"]
+
+
+FORMS = (PhaseOffset(),)

@@ -1,0 +1,62 @@
+"""A longer time constant."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from usmbench.model.effects.base import Array, Context, DynamicsEffect, Parameter, Values
+from usmbench.model.hammerstein import LinearPart
+
+_FASTEST = 1e-3  # a pole nearer to 0 is no lag at this window
+
+
+class SlowDynamics(DynamicsEffect):
+    """The slowest real pole exp(−T/τ) moves to exp(−T/(τ + d)), at the same gain.
+
+    More inertia on the shaft, or a softer contact.
+    """
+
+    name = "slow_dynamics"
+    meaning = "The motor follows with a longer time constant."
+    mend = "Look for added inertia on the shaft, low preload, or a filter in the drive."
+    parameters = (Parameter("added_s", "s", 0.0, 0.0, 10.0, 0.002, scanned=True),)
+
+    def linear_part(self, linear: LinearPart, context: Context, values: Values) -> LinearPart:
+        """Return the slower linear part.
+
+        Parameters
+        ----------
+        linear, context, values
+            As in `DynamicsEffect.linear_part`.
+        """
+        added_s, window_s = values["added_s"], context.window_s
+        if added_s <= 0.0:
+            return linear
+        poles = np.roots(np.r_[1.0, linear.a])
+        real = (np.abs(poles.imag) < 1e-9) & (poles.real > _FASTEST) & (poles.real < 1.0)
+        rest, tau_s = poles, 0.0
+        if np.any(real):
+            slowest = int(np.argmax(np.where(real, poles.real, -1.0)))
+            tau_s = -window_s / math.log(float(poles.real[slowest]))
+            rest = np.delete(poles, slowest)
+        elif poles.size and np.min(np.abs(poles)) <= _FASTEST:
+            rest = np.delete(poles, int(np.argmin(np.abs(poles))))
+        pole = math.exp(-window_s / (tau_s + added_s))
+        a = np.real(np.poly(np.r_[rest, pole]))[1:]
+        gain = (1.0 + float(a.sum())) / float(linear.b.sum())
+        return replace(linear, a=np.asarray(a, dtype=np.float64), b=linear.b * gain * linear.gain)
+
+    def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
+        """Return additions from a tenth of a window to a hundred.
+
+        Parameters
+        ----------
+        contexts
+            All stretches.
+        """
+        return {"added_s": np.minimum(contexts[0].window_s * np.geomspace(0.1, 100.0, 24), 10.0)}
+
+
+FORMS = (SlowDynamics(),)

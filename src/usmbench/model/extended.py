@@ -1,0 +1,145 @@
+"""The simulation with effects in it, stage by stage."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.model.effects.base import Context, DynamicsEffect, Effect, Stage, Values
+from usmbench.model.effects.registry import find_effect
+from usmbench.model.hammerstein import LinearPart
+from usmbench.model.linear import fitted_start_rad_s, free_run
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Applied:
+    """An effect with a value for each of its parameters.
+
+    Parameters
+    ----------
+    effect
+        The effect.
+    values
+        Its parameters.
+    """
+
+    effect: Effect
+    values: Values
+
+    def to_mapping(self) -> dict[str, Any]:
+        """Return the entry of a model file's `effects`."""
+        return {
+            "name": self.effect.name,
+            "form": self.effect.form,
+            "stage": self.effect.stage,
+            "parameters": {name: float(value) for name, value in self.values.items()},
+        }
+
+
+def applied_effects(entries: Sequence[Mapping[str, Any]]) -> tuple[Applied, ...]:
+    """Return the effects that a model file lists.
+
+    Parameters
+    ----------
+    entries
+        The file's `effects`.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        A cause that is not installed.
+    ValueError
+        A parameter is missing.
+    """
+    found = []
+    for entry in entries:
+        effect = find_effect(str(entry["name"]), str(entry.get("form", "")))
+        given = entry.get("parameters") or {}
+        missing = [p.name for p in effect.parameters if p.name not in given]
+        if missing:
+            raise ValueError(f"effect {effect.name} has no {missing[0]}")
+        found.append(Applied(effect, {p.name: float(given[p.name]) for p in effect.parameters}))
+    return tuple(found)
+
+
+@dataclass(frozen=True, slots=True)
+class ExtendedRun:
+    """What the stages give.
+
+    Parameters
+    ----------
+    settled_rad_s
+        Settled speed, shape (N,).
+    speed_rad_s
+        Speed that is reported, shape (N,).
+    """
+
+    settled_rad_s: Array
+    speed_rad_s: Array
+
+
+def extended_run(
+    effects: Sequence[Applied], context: Context, measured_rad_s: Array | None = None
+) -> ExtendedRun:
+    """Run the simulation free over an unbroken stretch.
+
+    Parameters
+    ----------
+    effects
+        The effects; those of one stage act in the order given.
+    context
+        The stretch.
+    measured_rad_s
+        Measured speed, shape (N,), from whose first windows the start is taken; None starts
+        settled.
+    """
+    phase_deg = through(effects, "command", context.phase_deg, context)
+    settled_rad_s = through(effects, "settled", context.settled_rad_s(phase_deg), context)
+    linear = linear_part(effects, context)
+    start_rad_s = None
+    if measured_rad_s is not None:
+        start_rad_s = fitted_start_rad_s(linear, settled_rad_s, measured_rad_s)
+    motion_rad_s = free_run(linear, settled_rad_s, start_rad_s)
+    motion_rad_s = through(effects, "motion", motion_rad_s, context)
+    return ExtendedRun(settled_rad_s, through(effects, "counter", motion_rad_s, context))
+
+
+def through(effects: Sequence[Applied], stage: Stage, signal: Array, context: Context) -> Array:
+    """Apply the effects of one stage.
+
+    Parameters
+    ----------
+    effects
+        All effects.
+    stage
+        The stage.
+    signal
+        Its signal, shape (N,).
+    context
+        The stretch.
+    """
+    for applied in effects:
+        if applied.effect.stage == stage:
+            signal = applied.effect.apply(signal, context, applied.values)
+    return signal
+
+
+def linear_part(effects: Sequence[Applied], context: Context) -> LinearPart:
+    """Return the linear part with all effects on the dynamics.
+
+    Parameters
+    ----------
+    effects
+        All effects.
+    context
+        The stretch.
+    """
+    linear = context.linear
+    for applied in effects:
+        if isinstance(applied.effect, DynamicsEffect):
+            linear = applied.effect.linear_part(linear, context, applied.values)
+    return linear
