@@ -89,17 +89,26 @@ class GpsimBoard:
         time_s
             Simulated time of its end.
         """
-        start = max(_cycles(time_s - BYTE_S), self._bridge.cycle)
-        self._line_free = max(start, self._line_free) + BYTE_CYCLES
-        send = f"send {byte:02x} {start}"
-        ends_frame = byte == DELIMITER and self._frame_began
-        self._frame_began = byte != DELIMITER
-        if ends_frame:
-            self._take(
-                self._bridge.command(send, f"answer {self._line_free + REPLY_STARTS_CYCLES}")
-            )
-        else:
-            self._take(self._bridge.command(send))
+        self.receive_burst(bytes((byte,)), time_s - BYTE_S)
+
+    def receive_burst(self, data: bytes, time_s: float) -> None:
+        """Take bytes that follow each other at once; wait for one reply where they end a frame.
+
+        Parameters
+        ----------
+        data
+            What came over the line, at least one byte.
+        time_s
+            Simulated time of the first byte's start.
+        """
+        start = max(_cycles(time_s), self._bridge.cycle)
+        self._line_free = max(start, self._line_free) + BYTE_CYCLES * len(data)
+        commands = [f"send {data.hex()} {start}"]
+        began = self._frame_began if len(data) == 1 else data[-2] != DELIMITER
+        if data[-1] == DELIMITER and began:
+            commands.append(f"answer {self._line_free + REPLY_STARTS_CYCLES}")
+        self._frame_began = data[-1] != DELIMITER
+        self._take(self._bridge.command(*commands))
 
     def reset(self, time_s: float, cause: ResetCause) -> None:
         """Restart: outputs off, nothing remembered.
