@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from hil_sim.faults import Fault
 from hil_sim.in_process import InProcessBench
 from hil_sim.plant import MotorPlant
+from hil_sim.testbed import Testbed
 from usmbench.cli.bench_session import Bench
 from usmbench.instruments.generator import SignalGenerator
 from usmbench.settings.bench import BenchSettings
@@ -27,18 +28,44 @@ class HandOnTheLoad:
         return True
 
 
-@contextmanager
+@dataclass(frozen=True, slots=True)
+class InProcess:
+    """A simulated testbed, and how to open its bench."""
+
+    simulated: InProcessBench
+    settings: BenchSettings
+
+    @property
+    def testbed(self) -> Testbed:
+        """The machines."""
+        return self.simulated.testbed
+
+    @contextmanager
+    def opened(self) -> Iterator[Bench]:
+        """Open the bench through the driver; its drive is off when the context ends."""
+        limits = self.settings.generator
+        generator = SignalGenerator(
+            self.simulated.port,
+            clock=self.simulated.clock,
+            frequency_limits_hz=limits.frequency_limits_hz,
+            phase_limits_deg=limits.phase_limits_deg,
+        )
+        with self.simulated.source as source, generator:
+            operator = HandOnTheLoad(self.simulated)
+            yield Bench(self.settings, generator, source, operator, self.simulated.clock)
+
+
 def in_process_bench(
     seed: int = 0,
     *,
     settings: BenchSettings | None = None,
     faults: Iterable[Fault] = (),
     plant: MotorPlant | None = None,
-) -> Iterator[tuple[Bench, InProcessBench]]:
-    """Open the simulated testbed in this process, through the driver and the sweep's own loop."""
+) -> InProcess:
+    """Return the simulated testbed in this process, for the driver and the sweep's own loop."""
     settings = settings or BenchSettings(name="simulated in process")
     daq = settings.daq
-    testbed = InProcessBench(
+    simulated = InProcessBench(
         seed,
         sample_rate_hz=daq.sample_rate_hz,
         samples_per_block=daq.samples_per_average,
@@ -48,12 +75,4 @@ def in_process_bench(
         temperature=settings.temperature is not None,
         plant=plant,
     )
-    generator = SignalGenerator(
-        testbed.port,
-        clock=testbed.clock,
-        frequency_limits_hz=settings.generator.frequency_limits_hz,
-        phase_limits_deg=settings.generator.phase_limits_deg,
-    )
-    with testbed.source as source, generator:
-        operator = HandOnTheLoad(testbed)
-        yield Bench(settings, generator, source, operator, testbed.clock), testbed
+    return InProcess(simulated, settings)
