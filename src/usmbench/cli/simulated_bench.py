@@ -17,6 +17,9 @@ from usmbench.settings.bench import BenchSettings, DaqSettings, GeneratorSetting
 START_TIMEOUT_S = 30.0
 REPLY_TIMEOUT_S = 10.0
 STOP_TIMEOUT_S = 3.0
+# No byte is lost on a pseudo-terminal, and a frame sent twice would shift what follows it: the
+# rows would depend on how busy this machine is.
+LOCK_STEP_REPLY_TIMEOUT_S = 2.0
 
 
 class SimulatedTestbed:
@@ -159,7 +162,9 @@ def simulated_settings(base: BenchSettings, port: str, daq_address: str) -> Benc
         # Lock step moves on demand, so silence means that the process is gone or starved of CPU.
         no_data_timeout_s=REPLY_TIMEOUT_S,
     )
-    generator: GeneratorSettings = replace(base.generator, port=port)
+    generator: GeneratorSettings = replace(
+        base.generator, port=port, reply_timeout_s=LOCK_STEP_REPLY_TIMEOUT_S
+    )
     return replace(base, name="simulated", generator=generator, daq=daq)
 
 

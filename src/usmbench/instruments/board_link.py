@@ -57,6 +57,8 @@ class BoardLink:
         Text stream that takes every frame, or None.
     tries
         How often a request is sent before the board counts as silent.
+    reply_timeout_s
+        Time a reply may take before the request is sent again.
     """
 
     def __init__(
@@ -66,11 +68,13 @@ class BoardLink:
         clock: Callable[[], float],
         frame_log: TextIO | None = None,
         tries: int = TRIES,
+        reply_timeout_s: float = REPLY_TIMEOUT_S,
     ):
         self._port = port
         self._clock = clock
         self._log = None if frame_log is None else FrameLog(frame_log, clock)
         self._tries = tries
+        self._reply_timeout_s = reply_timeout_s
         self._reader = FrameReader()
         self._sequence = 0
         self._in_step = False
@@ -117,7 +121,7 @@ class BoardLink:
             data = resend
         raise BoardError(
             f"the board on {self.port_name} did not answer {kind.name.lower()} in {self._tries} "
-            f"tries of {REPLY_TIMEOUT_S:g} s: check its power and cable; {DRIVE_STOPS}"
+            f"tries of {self._reply_timeout_s:g} s: check its power and cable; {DRIVE_STOPS}"
         )
 
     def replace_port(self, port: SerialPort) -> None:
@@ -146,12 +150,12 @@ class BoardLink:
 
     def _exchange(self, frame: Frame, data: bytes) -> Frame | None:
         """Send once and wait for the reply until the deadline."""
-        deadline_s = self._clock() + REPLY_TIMEOUT_S
+        deadline_s = self._clock() + self._reply_timeout_s
         self._write(data)
         if self._log is not None:
             self._log.sent(data, frame)
         wanted = (frame.type | ACK_BIT, frame.type | REFUSAL_BITS)
-        size, remaining_s = _SHORTEST_REPLY, REPLY_TIMEOUT_S
+        size, remaining_s = _SHORTEST_REPLY, self._reply_timeout_s
         while remaining_s > 0.0:
             received = self._read(size, remaining_s)
             if not received:

@@ -9,7 +9,7 @@ from typing import Final, Self, TextIO
 from usmbench.errors import BenchError, InputError, PortError, UsmbenchError
 from usmbench.instruments import dds
 from usmbench.instruments.board import Board
-from usmbench.instruments.board_link import DRIVE_STOPS, BoardLink
+from usmbench.instruments.board_link import DRIVE_STOPS, REPLY_TIMEOUT_S, BoardLink
 from usmbench.instruments.drive_limits import DriveLimits
 from usmbench.instruments.ports import find_board, open_port
 from usmbench.instruments.protocol._generated import Flags, RequestType
@@ -43,6 +43,8 @@ class SignalGenerator:
         Text stream that takes every frame on the line, or None.
     reopen
         Opens the port again for `reconnect`, or None where it stays open.
+    reply_timeout_s
+        Time a reply may take before the request is sent again.
 
     Raises
     ------
@@ -61,8 +63,11 @@ class SignalGenerator:
         phase_limits_deg: tuple[float, float],
         frame_log: TextIO | None = None,
         reopen: Callable[[], SerialPort] | None = None,
+        reply_timeout_s: float = REPLY_TIMEOUT_S,
     ):
-        self._link = BoardLink(port, clock=clock, frame_log=frame_log)
+        self._link = BoardLink(
+            port, clock=clock, frame_log=frame_log, reply_timeout_s=reply_timeout_s
+        )
         self._board = Board(self._link)
         self._limits = DriveLimits(frequency_limits_hz, phase_limits_deg)
         self._reopen = reopen
@@ -111,6 +116,7 @@ class SignalGenerator:
                 phase_limits_deg=settings.phase_limits_deg,
                 frame_log=frame_log,
                 reopen=partial(open_port, name),
+                reply_timeout_s=settings.reply_timeout_s,
             )
         except BaseException:
             port.close()

@@ -16,11 +16,14 @@ class GeneratorSettings:
         Lowest and highest drive frequency of this lab; the board's own limits hold as well.
     phase_limits_deg
         Lowest and highest phase shift of this lab; the board's own limits hold as well.
+    reply_timeout_s
+        Time a reply may take before the request is sent again.
     """
 
     port: str = "auto"
     frequency_limits_hz: tuple[float, float] = (40_000.0, 42_000.0)
     phase_limits_deg: tuple[float, float] = (-180.0, 180.0)
+    reply_timeout_s: float = 0.05
 
 
 @dataclass(frozen=True, slots=True)
