@@ -1,7 +1,8 @@
 """What identification works on: unbroken stretches of samples, each at one operating point."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ Point = tuple[float | None, float | None]
 
 _GAP = 1.5  # a step of the clock beyond so many windows is a break in the record
 _RATE_TOLERANCE = 1e-3
+_THIN_BLOCKS, _THIN_ROWS = 20, 500
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +44,23 @@ class Segment:
     def n(self) -> int:
         """Number of samples."""
         return self.phase_deg.size
+
+    def part(self, first: int, last: int) -> "Segment":
+        """Return some of its samples, without copying them.
+
+        Parameters
+        ----------
+        first, last
+            First sample, and the one after the last.
+        """
+        rows = slice(first, last)
+        return Segment(
+            self.phase_deg[rows],
+            self.speed_rad_s[rows],
+            self.point,
+            self.run,
+            self.first_row + first,
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +91,25 @@ class Dataset:
     def n(self) -> int:
         """Number of samples."""
         return sum(segment.n for segment in self.segments)
+
+    def thinned(self, most_rows: int) -> "Dataset":
+        """Return unbroken parts of the segments, spread over all of them.
+
+        Parameters
+        ----------
+        most_rows
+            About how many rows to keep; with fewer in all, all are kept.
+        """
+        if self.n <= most_rows:
+            return self
+        parts = []
+        for segment in self.segments:
+            blocks = max(1, min(_THIN_BLOCKS, segment.n * most_rows // (self.n * _THIN_ROWS)))
+            length = max(_THIN_ROWS, segment.n * most_rows // (self.n * blocks))
+            for k in range(blocks):
+                first = k * segment.n // blocks
+                parts.append(segment.part(first, min(first + length, segment.n)))
+        return replace(self, segments=tuple(parts))
 
     def phase_deg(self, point: int) -> Array:
         """Return all phases at one operating point.
@@ -125,12 +163,12 @@ def from_windows(records: Sequence[Record]) -> Dataset:
                 f"{record.name}: time jumps at {jumps.size} rows (first at row {jumps[0]}, "
                 f"{record.t_s[jumps[0]]:g} s); the run is cut there"
             )
-        condition = _conditions(record)
-        changes = np.flatnonzero(np.any(np.diff(condition, axis=0) != 0.0, axis=1)) + 1
-        for rows in np.split(np.arange(record.t_s.size), np.union1d(jumps, changes)):
-            point = points.setdefault(_point(record, int(rows[0])), len(points))
+        cuts = np.unique(np.concatenate([[0], jumps, _changes(record), [record.t_s.size]]))
+        for first, last in pairwise(cuts.tolist()):
+            point = points.setdefault(_point(record, first), len(points))
+            rows = slice(first, last)
             segments.append(
-                Segment(record.phase_deg[rows], record.speed_rad_s[rows], point, run, int(rows[0]))
+                Segment(record.phase_deg[rows], record.speed_rad_s[rows], point, run, first)
             )
     data = Dataset(
         tuple(segments),
@@ -189,12 +227,11 @@ def _pairs_of(record: Record, warnings: list[str]) -> tuple[Array, Array, list[P
     return pairs.phase_deg[rows], pairs.speed_rad_s[rows], keys
 
 
-def _conditions(record: Record) -> Array:
-    """Frequency and torque of each row as columns, zero where unknown."""
-    zeros = np.zeros(record.t_s.size)
-    return np.column_stack(
-        [zeros if c is None else c for c in (record.frequency_hz, record.torque_nm)]
-    )
+def _changes(record: Record) -> NDArray[np.int64]:
+    """Rows at which frequency or torque change."""
+    known = [c for c in (record.frequency_hz, record.torque_nm) if c is not None]
+    changes = [np.flatnonzero(column[1:] != column[:-1]) + 1 for column in known]
+    return np.concatenate([*changes, np.empty(0, dtype=np.int64)]).astype(np.int64)
 
 
 def _point(record: Record, row: int) -> Point:

@@ -20,14 +20,17 @@ class Stretch:
 
     Parameters
     ----------
+    phase_deg
+        Commanded phase, shape (n,).
     basis
-        Bernstein basis at the segment's phases, shape (n, d + 1).
+        Bernstein basis at those phases, shape (n, d + 1).
     speed_rad_s
         Measured speed, shape (n,).
     point
         Index of the operating point.
     """
 
+    phase_deg: Array
     basis: Array
     speed_rad_s: Array
     point: int
@@ -49,7 +52,7 @@ def build_design(data: Dataset, knots_deg: Sequence[Array]) -> tuple[Stretch, ..
         A phase outside the knots, or knots that do not rise.
     """
     return tuple(
-        Stretch(_basis(s.phase_deg, knots_deg[s.point]), s.speed_rad_s, s.point)
+        Stretch(s.phase_deg, phase_basis(s.phase_deg, knots_deg[s.point]), s.speed_rad_s, s.point)
         for s in data.segments
     )
 
@@ -84,10 +87,22 @@ def check_rows(data: Dataset, degree: int, na: int, nb: int, *, point: int) -> N
         )
 
 
-def _basis(phase_deg: Array, knots_deg: Array) -> Array:
-    """Evaluate the basis once for each distinct phase where phases repeat, as dwells make them."""
-    degree = knots_deg.size - 1
-    distinct, place = np.unique(phase_deg, return_inverse=True)
-    if distinct.size > phase_deg.size // 4:
-        return bernstein_basis(bezier_abscissa(phase_deg, knots_deg), degree)
-    return bernstein_basis(bezier_abscissa(distinct, knots_deg), degree)[place]
+def phase_basis(phase_deg: Array, knots_deg: Array) -> Array:
+    """Return the Bernstein basis at given phases.
+
+    Parameters
+    ----------
+    phase_deg
+        Phases within the knots, shape (n,).
+    knots_deg
+        Knots, shape (d + 1,).
+
+    Returns
+    -------
+    Array
+        Shape (n, d + 1). Where dwells repeat a phase it is evaluated once.
+    """
+    first = np.r_[True, phase_deg[1:] != phase_deg[:-1]]
+    distinct_deg = phase_deg[first]
+    basis = bernstein_basis(bezier_abscissa(distinct_deg, knots_deg), knots_deg.size - 1)
+    return basis if distinct_deg.size == phase_deg.size else basis[np.cumsum(first) - 1]

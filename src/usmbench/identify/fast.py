@@ -2,17 +2,19 @@
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.identify.data import Dataset, from_windows
-from usmbench.identify.design import Stretch, build_design, check_rows
+from usmbench.identify.design import build_design, check_rows
 from usmbench.identify.dynamics import Dynamics, Family, FreeFamily, LagFamily
 from usmbench.identify.knots import dead_zone_deg, place_knots
-from usmbench.identify.output_error import Fit, fit_output_error
+from usmbench.identify.polish import polished
+from usmbench.identify.residual_tests import residual_tests
 from usmbench.identify.result import Identification, assemble
+from usmbench.identify.robust import robust_fit
 from usmbench.identify.selection import (
     DEGREES,
     Choice,
@@ -24,16 +26,16 @@ from usmbench.identify.selection import (
     prior_rows,
 )
 from usmbench.identify.separable import separable_start
+from usmbench.identify.uncertainty import covariance, curve_intervals, dynamics_intervals
 from usmbench.model.hammerstein import StaticCurve
 from usmbench.runs.record import Record
 
 Array = NDArray[np.float64]
 
-_ROBUST_ROUNDS = 4
-_BISQUARE = 4.685  # 95 % efficiency at the normal distribution (Huber and Ronchetti, 2009)
 _FIRST_DEGREE, _FIRST_STIFFNESS = 12, 1e-4
 _MIDDLE_DEGREE = 18
 _DEAD_TIMES = range(6)
+_SEARCH_ROWS = 20_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,28 +75,51 @@ def identify_fast(records: Sequence[Record], options: FastOptions) -> Identifica
     """
     started_s = time.perf_counter()
     data = from_windows(records)
+    part = data.thinned(_SEARCH_ROWS)
+    family, start, choices = _shape(part, options)
+    knots_deg = [choice.knots_deg for choice, _ in choices]
+    priors = [
+        prior_rows(choice.knots_deg, choice.stiffness, rows.standing_deg, part.n)
+        for choice, rows in choices
+    ]
+    search = robust_fit(build_design(part, knots_deg), family, start, priors)
+    best = search.problem.fit if part is data else polished(data, knots_deg, family, search)
+    curves = [StaticCurve(k, d) for k, d in zip(knots_deg, best.delta, strict=True)]
+    spread = covariance(search.problem, part.n / data.n)
+    intervals = {
+        **dynamics_intervals(best, family, spread, data.window_s),
+        "points": [curve_intervals(c, r) for c, r in zip(curves, spread.delta, strict=True)],
+    }
+    found = assemble(
+        data,
+        "fast",
+        best.dynamics.linear_part(data.window_s),
+        curves,
+        intervals=intervals,
+        colour=spread.noise_coefficients,
+        tests=residual_tests(search.problem, spread.noise_coefficients),
+    )
+    return replace(found, fit_s=time.perf_counter() - started_s)
+
+
+def _shape(
+    data: Dataset, options: FastOptions
+) -> tuple[Family, Array, list[tuple[Choice, CurveRows]]]:
+    """Settle everything but the numbers: family of dynamics and a start in it, knots, stiffness."""
     nb = 2 if options.nb is None else options.nb
     points = range(len(data.points))
     degrees = [_degrees(data, point, options, nb) for point in points]
     even = [_even_knots(data, k, min(_FIRST_DEGREE, max(degrees[k]))) for k in points]
     stretches = build_design(data, even)
-    pulls = [prior_rows(knots, _FIRST_STIFFNESS, None, data.n) for knots in even]
+    priors = [prior_rows(knots, _FIRST_STIFFNESS, None, data.n) for knots in even]
     start = separable_start(stretches, options.na, nb, _DEAD_TIMES)
     family = _family(options, start)
-    rough = _robust_fit(stretches, family, family.parameters(start), pulls)
+    rough = robust_fit(stretches, family, family.parameters(start), priors).problem.fit
     rows = [curve_rows(data, k, rough.dynamics) for k in points]
     choices = [
         _choice(rows[k], options, degrees[k], StaticCurve(even[k], rough.delta[k])) for k in points
     ]
-    stretches = build_design(data, [choice.knots_deg for choice in choices])
-    pulls = [
-        prior_rows(c.knots_deg, c.stiffness, r.standing_deg, data.n)
-        for c, r in zip(choices, rows, strict=True)
-    ]
-    fit = _robust_fit(stretches, family, rough.parameters, pulls)
-    curves = [StaticCurve(c.knots_deg, d) for c, d in zip(choices, fit.delta, strict=True)]
-    linear = fit.dynamics.linear_part(data.window_s)
-    return assemble(data, "fast", linear, curves, time.perf_counter() - started_s)
+    return family, rough.parameters, list(zip(choices, rows, strict=True))
 
 
 def _family(options: FastOptions, start: Dynamics) -> Family:
@@ -138,44 +163,3 @@ def _choice(
 def _edges(curve: StaticCurve) -> tuple[float, ...]:
     """Edges of a curve's dead zone, as far as it has any."""
     return tuple(edge for edge in dead_zone_deg(curve) if edge is not None)
-
-
-def _robust_fit(
-    stretches: Sequence[Stretch], family: Family, start: Array, pulls: Sequence[Array]
-) -> Fit:
-    """Fit the free run, reweighting until neither outliers nor the noisier rows rule it.
-
-    Windows just after a change of phase have a scale of their own: the moment of the command
-    within its window, and dynamics that are none of a linear system, make them noisier.
-    """
-    changing = [_changing(s, family.dynamics(start)) for s in stretches]
-    weights = [np.ones(s.speed_rad_s.size) for s in stretches]
-    fit = fit_output_error(stretches, family, start, weights, pulls)
-    for _ in range(_ROBUST_ROUNDS):
-        residual, change = np.concatenate(fit.residual_rad_s), np.concatenate(changing)
-        settled_rad_s, changing_rad_s = _scale(residual[~change]), _scale(residual[change])
-        if settled_rad_s == 0.0 or changing_rad_s == 0.0:
-            break
-        base_rad_s = min(settled_rad_s, changing_rad_s)
-        weights = []
-        for r, c in zip(fit.residual_rad_s, changing, strict=True):
-            scale = np.where(c, changing_rad_s, settled_rad_s)
-            robust = np.clip(1.0 - (r / (_BISQUARE * scale)) ** 2, 0.0, 1.0)
-            weights.append(robust * base_rad_s / scale)
-        fit = fit_output_error(stretches, family, fit.parameters, weights, pulls)
-    return fit
-
-
-def _scale(residual: Array) -> float:
-    """Return the standard deviation of the rows of one kind, by the median."""
-    return 1.4826 * float(np.median(np.abs(residual))) if residual.size > 1 else 1.0
-
-
-def _changing(stretch: Stretch, dynamics: Dynamics) -> NDArray[np.bool_]:
-    """Rows on which a change of phase still acts."""
-    changed = np.r_[True, np.any(np.diff(stretch.basis, axis=0) != 0.0, axis=1)]
-    first, last = dynamics.dead_time_windows, dynamics.dead_time_windows + dynamics.beta.size
-    recent = np.zeros(changed.size, dtype=np.bool_)
-    for lag in range(first, last + 1):
-        recent[lag:] |= changed[: changed.size - lag]
-    return recent

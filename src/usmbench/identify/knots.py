@@ -68,7 +68,20 @@ def dead_zone_deg(curve: StaticCurve) -> tuple[float | None, float | None]:
         or ends before it has left standstill on that side.
     """
     grid_deg = np.linspace(curve.knots_deg[0], curve.knots_deg[-1], _GRID)
-    size = np.abs(curve.speed_rad_s(grid_deg))
+    return standing_edges_deg(grid_deg, curve.speed_rad_s(grid_deg))
+
+
+def standing_edges_deg(grid_deg: Array, speed_rad_s: Array) -> tuple[float | None, float | None]:
+    """Return the edges of the dead zone of a curve given on a grid, as `dead_zone_deg` does.
+
+    Parameters
+    ----------
+    grid_deg
+        Rising phases, shape (N,).
+    speed_rad_s
+        Settled speeds there, shape (N,).
+    """
+    size = np.abs(speed_rad_s)
     slow, fast = _SLOW * size.max(), _FAST * size.max()
     standing = np.flatnonzero(size <= slow)
     if standing.size == 0:

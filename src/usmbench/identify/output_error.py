@@ -26,6 +26,28 @@ _TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
+class RowWeights:
+    """How much each row of a stretch counts.
+
+    Parameters
+    ----------
+    spread
+        Standard deviation of the row's kind over that of the quietest kind, shape (n,).
+    robust
+        Square root of the row's robust weight, 0 for an outlier and 1 in the middle, shape (n,).
+    """
+
+    spread: Array
+    robust: Array
+
+    @property
+    def root(self) -> Array:
+        """Square root of the whole weight, shape (n,)."""
+        root: Array = self.robust / self.spread
+        return root
+
+
+@dataclass(frozen=True, slots=True)
 class Fit:
     """Where the search stands.
 
@@ -57,9 +79,9 @@ def fit_output_error(
     stretches: Sequence[Stretch],
     family: Family,
     start: Array,
-    weights: Sequence[Array],
+    weights: Sequence[RowWeights],
     penalties: Sequence[Array],
-) -> Fit:
+) -> "Projected":
     """Fit dynamics and curves to the free run.
 
     Parameters
@@ -71,15 +93,15 @@ def fit_output_error(
     start
         Parameters to start from; stable.
     weights
-        Square roots of the weights of each segment's rows.
+        How much each segment's rows count.
     penalties
         Rows that pull each operating point's δ towards 0, shape (m, d + 1); see
         `usmbench.identify.selection.prior_rows`.
 
     Returns
     -------
-    Fit
-        At a minimum of the weighted sum of squares, or where no step lowers it.
+    Projected
+        The problem at a minimum of the weighted sum of squares, or where no step lowers it.
     """
     here = Projected(stretches, family, start, weights, penalties)
     damping = 1e-6
@@ -101,7 +123,7 @@ def fit_output_error(
         here, damping = there, max(damping / 10.0, 1e-12)
         if gained <= _TOLERANCE * here.fit.sse:
             break
-    return here.fit
+    return here
 
 
 def _damped_step(jacobian: Array, residual: Array, damping: float) -> Array:
@@ -110,6 +132,28 @@ def _damped_step(jacobian: Array, residual: Array, damping: float) -> Array:
     stacked = np.vstack([jacobian, np.sqrt(damping) * np.eye(size)])
     step: Array = np.linalg.lstsq(stacked, np.r_[residual, np.zeros(size)], rcond=None)[0]
     return step
+
+
+@dataclass(frozen=True, slots=True)
+class Linearised:
+    """One stretch near the estimate, each row over its spread.
+
+    Parameters
+    ----------
+    regressors
+        Curve's ordinates, then the dynamics' parameters, shape (n, d + 1 + q).
+    influence
+        Bisquare influence ``u (1 − u²)²`` of each residual, shape (n,).
+    slope
+        Slope ``(1 − u²) (1 − 5 u²)`` of that influence, shape (n,).
+    point
+        Index of the operating point.
+    """
+
+    regressors: Array
+    influence: Array
+    slope: Array
+    point: int
 
 
 class Projected:
@@ -128,33 +172,33 @@ class Projected:
         stretches: Sequence[Stretch],
         family: Family,
         parameters: Array,
-        weights: Sequence[Array],
+        weights: Sequence[RowWeights],
         penalties: Sequence[Array],
     ) -> None:
-        self._stretches, self._weights, self._penalties = stretches, weights, penalties
+        self._stretches, self._weights, self.penalties = stretches, weights, penalties
         self._family, self._parameters = family, parameters
         self._dynamics = family.dynamics(parameters)
         self._members = [
             [k for k, s in enumerate(stretches) if s.point == point]
             for point in range(len(penalties))
         ]
-        self._fading = [self._faded(k) for k in range(len(stretches))]
+        self._fading = [self._faded(k, w.root) for k, w in enumerate(weights)]
         self._columns = [self._dynamics.respond(s.basis) for s in stretches]
         self._matrices = [self._weighted(k, c) for k, c in enumerate(self._columns)]
         self.fit = self._solve()
 
-    def _faded(self, k: int) -> Array:
+    def _faded(self, k: int, weight: Array) -> Array:
         """Weighted response to the unknown start, of unit length."""
-        dynamics, n = self._dynamics, self._stretches[k].speed_rad_s.size
-        shape = fading(dynamics.numerator, dynamics.a, dynamics.dead_time_windows, n)
-        shape = self._weights[k] * shape
+        shape = weight * self._fading_of(k)
         return shape / max(float(np.linalg.norm(shape)), 1e-300)
+
+    def _fading_of(self, k: int) -> Array:
+        dynamics, n = self._dynamics, self._stretches[k].speed_rad_s.size
+        return fading(dynamics.numerator, dynamics.a, dynamics.dead_time_windows, n)
 
     def _weighted(self, k: int, columns: Array) -> Array:
         """Weight a stretch's columns and take the start's response out of them."""
-        weight, shape = self._weights[k], self._fading[k]
-        scaled = columns * (weight if columns.ndim == 1 else weight[:, None])
-        return scaled - np.multiply.outer(shape, shape @ scaled)
+        return _without(self._fading[k], _times(self._weights[k].root, columns))
 
     def _solve(self) -> Fit:
         """Find the curves, point by point."""
@@ -162,7 +206,7 @@ class Projected:
         residuals = [np.empty(0)] * len(self._stretches)
         starts = [0.0] * len(self._stretches)
         sse = 0.0
-        for members, penalty in zip(self._members, self._penalties, strict=True):
+        for members, penalty in zip(self._members, self.penalties, strict=True):
             measured = [self._weighted(k, self._stretches[k].speed_rad_s) for k in members]
             target = np.concatenate([*measured, np.zeros(penalty.shape[0])])
             matrix = np.vstack([*(self._matrices[k] for k in members), penalty])
@@ -184,13 +228,12 @@ class Projected:
 
     def _with_start(self, k: int, output_rad_s: Array) -> tuple[float, Array]:
         """Start and residual of a stretch, given its output from rest."""
-        dynamics, stretch = self._dynamics, self._stretches[k]
-        n = stretch.speed_rad_s.size
-        shape = fading(dynamics.numerator, dynamics.a, dynamics.dead_time_windows, n)
-        weighted = self._weights[k] * shape
+        stretch, weight = self._stretches[k], self._weights[k].root
+        shape = self._fading_of(k)
+        weighted = weight * shape
         residual = stretch.speed_rad_s - output_rad_s
         power = float(weighted @ weighted)
-        start = float(weighted @ (self._weights[k] * residual)) / power if power > 1e-12 else 0.0
+        start = float(weighted @ (weight * residual)) / power if power > 1e-12 else 0.0
         return start, residual - start * shape
 
     def reduced(self) -> tuple[Array, Array]:
@@ -204,7 +247,7 @@ class Projected:
         """
         fit, n = self.fit, self._parameters.size
         jacobians, residuals = [], []
-        for members, penalty in zip(self._members, self._penalties, strict=True):
+        for members, penalty in zip(self._members, self.penalties, strict=True):
             blocks = [self._block(k) for k in members]
             delta = fit.delta[self._stretches[members[0]].point]
             pulled = np.column_stack([penalty, np.zeros((penalty.shape[0], n)), -penalty @ delta])
@@ -214,14 +257,75 @@ class Projected:
             residuals.append(factor[first:, -1])
         return np.vstack(jacobians), np.concatenate(residuals)
 
-    def _block(self, k: int) -> Array:
-        """Weighted regressors of curve and dynamics beside the residual, of one stretch."""
+    def point_rows(self, point: int) -> Array:
+        """Return the weighted regressors of one operating point's rows.
+
+        Parameters
+        ----------
+        point
+            Index of the operating point.
+
+        Returns
+        -------
+        Array
+            Curve's ordinates, then the dynamics' parameters, shape (n, d + 1 + q).
+        """
+        return np.vstack([self._block(k)[:, :-1] for k in self._members[point]])
+
+    def settled_rad_s(self, k: int) -> Array:
+        """Return the static curve's output on a stretch.
+
+        Parameters
+        ----------
+        k
+            Index of the stretch.
+        """
+        stretch = self._stretches[k]
+        settled: Array = stretch.basis @ self.fit.delta[stretch.point]
+        return settled
+
+    def linearised(self) -> list[Linearised]:
+        """Return every stretch's regressors and influences, for the covariance."""
+        pieces = []
+        for k, (stretch, weights) in enumerate(zip(self._stretches, self._weights, strict=True)):
+            columns = (
+                np.hstack([self._columns[k], self._sensitivities(k)]) / weights.spread[:, None]
+            )
+            pieces.append(
+                Linearised(
+                    _without(self._faded(k, 1.0 / weights.spread), columns),
+                    weights.robust * weights.root * self.fit.residual_rad_s[k],
+                    weights.robust * (5.0 * weights.robust - 4.0),
+                    stretch.point,
+                )
+            )
+        return pieces
+
+    def _sensitivities(self, k: int) -> Array:
+        """Return the derivatives of a stretch's free run by the family's parameters."""
         stretch, fit = self._stretches[k], self.fit
         moved_rad_s = stretch.basis @ fit.delta[stretch.point] - fit.start_rad_s[k]
-        sensitivities = output_sensitivities(fit.dynamics, moved_rad_s)
-        sensitivities = self._weighted(k, sensitivities @ self._family.jacobian(fit.parameters))
-        residual = self._weighted(k, fit.residual_rad_s[k])
+        slopes = output_sensitivities(fit.dynamics, moved_rad_s)
+        product: Array = slopes @ self._family.jacobian(fit.parameters)
+        return product
+
+    def _block(self, k: int) -> Array:
+        """Weighted regressors of curve and dynamics beside the residual, of one stretch."""
+        sensitivities = self._weighted(k, self._sensitivities(k))
+        residual = self._weighted(k, self.fit.residual_rad_s[k])
         return np.column_stack([self._matrices[k], sensitivities, residual])
+
+
+def _times(weight: Array, columns: Array) -> Array:
+    """Weight the rows of one or several columns."""
+    weighted: Array = columns * (weight if columns.ndim == 1 else weight[:, None])
+    return weighted
+
+
+def _without(shape: Array, columns: Array) -> Array:
+    """Project columns off a shape of unit length."""
+    left: Array = columns - np.multiply.outer(shape, shape @ columns)
+    return left
 
 
 def output_sensitivities(dynamics: Dynamics, moved_rad_s: Array) -> Array:

@@ -6,7 +6,7 @@ Source: H. Mojallali, M. Ahmadi, Hammerstein Based Modeling of Traveling Wave Ul
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -104,7 +104,8 @@ def identify_paper(records: Sequence[Record], options: PaperOptions) -> PaperIde
     result = search(lagged, 1.0 + float(a.sum()), rng, options.search)
     linear = LinearPart(a, result.b, 0, data.window_s)
     curves = [StaticCurve(k, d) for k, d in zip(knots_deg, result.delta, strict=True)]
-    found = assemble(data, "paper", linear, curves, time.perf_counter() - started_s)
+    found = assemble(data, "paper", linear, curves)
+    found = replace(found, fit_s=time.perf_counter() - started_s)
     return PaperIdentification(found, result, map_iterations)
 
 

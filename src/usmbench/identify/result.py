@@ -1,14 +1,16 @@
 """What an identification returns: the model, its scores, and the contract's JSON."""
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.identify.data import Dataset, Segment
+from usmbench.identify.data import Dataset
 from usmbench.identify.knots import dead_zone_deg
+from usmbench.identify.residual_tests import ResidualTest
 from usmbench.model.hammerstein import (
     HammersteinModel,
     LinearPart,
@@ -20,10 +22,15 @@ from usmbench.model.linear import (
     delayed,
     fitted_start_rad_s,
     free_run,
+    memory_windows,
     time_constant_s,
 )
 
 Array = NDArray[np.float64]
+
+_PIECE_ROWS = 65_536
+_FORGOTTEN = 1e-10
+_SIGNIFICANT = 0.01
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +65,8 @@ class Identification:
         One entry an operating point.
     warnings
         What the user ought to know, one sentence each.
+    tests
+        Tests of the residual.
     fit_s
         Time the identification took.
     """
@@ -65,14 +74,20 @@ class Identification:
     model: HammersteinModel
     scores: tuple[Scores, ...]
     warnings: tuple[str, ...]
-    fit_s: float
+    tests: tuple[ResidualTest, ...] = ()
+    fit_s: float = 0.0
 
     def to_json(self) -> dict[str, Any]:
         """Return the mapping that ``identify --json`` writes."""
         n = sum(score.n for score in self.scores)
         points = [self._point_json(k) for k in range(len(self.scores))]
         head = {"method": self.model.method, "n": n}
-        tail = {"fit_s": self.fit_s, "warnings": list(self.warnings)}
+        tail: dict[str, Any] = {"fit_s": self.fit_s, "warnings": list(self.warnings)}
+        if self.tests:
+            tail["residual_tests"] = [asdict(test) for test in self.tests]
+        shared = {k: v for k, v in self.model.intervals.items() if k != "points"}
+        if shared:
+            tail["intervals"] = shared
         if len(points) > 1:
             return {**head, "points": points, **tail}
         return {**points[0], **head, **tail}
@@ -80,6 +95,7 @@ class Identification:
     def _point_json(self, k: int) -> dict[str, Any]:
         """One operating point's part."""
         point, score, linear = self.model.points[k], self.scores[k], self.model.linear
+        own = self.model.intervals.get("points")
         return {
             "frequency_hz": point.frequency_hz,
             "torque_nm": point.torque_nm,
@@ -96,6 +112,7 @@ class Identification:
             "dead_zone_deg": list(point.dead_zone_deg),
             "dead_time_s": dead_time_s(linear),
             "dead_time_windows": linear.dead_time_windows,
+            **({} if own is None else {"curve_intervals": own[k]}),
         }
 
 
@@ -104,7 +121,10 @@ def assemble(
     method: str,
     linear: LinearPart,
     curves: Sequence[StaticCurve],
-    fit_s: float,
+    *,
+    intervals: dict[str, Any] | None = None,
+    colour: Array | None = None,
+    tests: Sequence[ResidualTest] = (),
 ) -> Identification:
     """Make a model of estimates, and score it on the samples it was fitted on.
 
@@ -118,8 +138,13 @@ def assemble(
         The estimated dynamics.
     curves
         The estimated curve of each operating point.
-    fit_s
-        Time the estimation took.
+    intervals
+        95 % intervals, where the method gives them: ``a``, ``b``, ``tau_s``, ``dead_time_s``, and
+        a mapping an operating point under ``points``.
+    colour
+        Autoregressive coefficients of the residual, where the method gives them.
+    tests
+        Tests of the residual; one that rejects is kept in the model as structure it lacks.
     """
     points, scores = [], []
     for k, ((frequency_hz, torque_nm), curve) in enumerate(zip(data.points, curves, strict=True)):
@@ -144,38 +169,54 @@ def assemble(
         tuple(points),
         method,
         fitted_on=tuple({"name": name} for name in data.run_names),
-        residual={"rmse_free_run_rad_s": free, "rmse_one_step_rad_s": one, "n": total},
+        residual={
+            "rmse_free_run_rad_s": free,
+            "rmse_one_step_rad_s": one,
+            "n": total,
+            "noise_ar": [] if colour is None else colour.tolist(),
+        },
+        unexplained=tuple(asdict(test) for test in tests if test.p_value < _SIGNIFICANT),
+        intervals=intervals or {},
     )
-    return Identification(model, tuple(scores), data.warnings, fit_s)
+    return Identification(model, tuple(scores), data.warnings, tuple(tests))
 
 
 def _score(data: Dataset, linear: LinearPart, curve: StaticCurve, point: int) -> Scores:
-    """One-step and free-running errors over a point's segments."""
-    mine = [s for s in data.segments if s.point == point]
-    one_step = np.concatenate([_one_step_error(linear, curve, s) for s in mine])
-    free = np.concatenate([_free_run_error(linear, curve, s) for s in mine])
+    """One-step and free-running errors over a point's segments, in pieces."""
+    squares, n, n_one_step = np.zeros(2), 0, 0
+    memory = memory_windows(linear, _FORGOTTEN)
+    for segment in (s for s in data.segments if s.point == point):
+        for first in range(0, segment.n, _PIECE_ROWS):
+            before = min(first, memory)
+            piece = segment.part(first - before, min(first + _PIECE_ROWS, segment.n))
+            settled_rad_s = curve.speed_rad_s(piece.phase_deg)
+            one_step = _one_step_error(linear, settled_rad_s, piece.speed_rad_s, before)
+            free = _free_run_error(linear, settled_rad_s, piece.speed_rad_s)[before:]
+            squares += np.sum(one_step**2), np.sum(free**2)
+            n, n_one_step = n + free.size, n_one_step + one_step.size
+    one_step_sse, free_sse = squares.tolist()
     return Scores(
-        free.size,
-        float(np.sum(one_step**2)),
-        float(np.sqrt(np.mean(one_step**2))),
-        float(np.sqrt(np.mean(free**2))),
+        n,
+        one_step_sse,
+        math.sqrt(one_step_sse / max(n_one_step, 1)),
+        math.sqrt(free_sse / n),
     )
 
 
-def _free_run_error(linear: LinearPart, curve: StaticCurve, segment: Segment) -> Array:
-    """Measured minus free-running speed, from the start that suits the segment best."""
-    settled_rad_s = curve.speed_rad_s(segment.phase_deg)
-    start_rad_s = fitted_start_rad_s(linear, settled_rad_s, segment.speed_rad_s)
-    return segment.speed_rad_s - free_run(linear, settled_rad_s, start_rad_s)
+def _free_run_error(linear: LinearPart, settled_rad_s: Array, speed_rad_s: Array) -> Array:
+    """Measured minus free-running speed, from the start that suits the measurement best."""
+    start_rad_s = fitted_start_rad_s(linear, settled_rad_s, speed_rad_s)
+    return speed_rad_s - free_run(linear, settled_rad_s, start_rad_s)
 
 
-def _one_step_error(linear: LinearPart, curve: StaticCurve, segment: Segment) -> Array:
+def _one_step_error(
+    linear: LinearPart, settled_rad_s: Array, speed_rad_s: Array, before: int
+) -> Array:
     """Measured minus predicted from measured past speeds, on rows that have a whole past."""
-    settled_rad_s = curve.speed_rad_s(segment.phase_deg)
-    predicted = np.zeros(segment.n)
+    predicted = np.zeros(speed_rad_s.size)
     for k, b in enumerate(linear.b, start=linear.dead_time_windows):
         predicted += b * delayed(settled_rad_s, k, settled_rad_s[0])
     for i, a in enumerate(linear.a, start=1):
-        predicted -= a * delayed(segment.speed_rad_s, i)
-    first = min(max(linear.a.size, linear.dead_time_windows + linear.b.size - 1), segment.n - 1)
-    return (segment.speed_rad_s - predicted)[first:]
+        predicted -= a * delayed(speed_rad_s, i)
+    past = max(linear.a.size, linear.dead_time_windows + linear.b.size - 1)
+    return (speed_rad_s - predicted)[max(before, min(past, speed_rad_s.size - 1)) :]

@@ -24,3 +24,21 @@ def triangle(rows: Array) -> Array:
         Shape (min(n, m), m).
     """
     return np.asarray(np.linalg.qr(rows, mode="r"), dtype=np.float64)
+
+
+def full_rank(rows: Array) -> Array:
+    """Return the triangular factor with a trace of a prior on what the rows do not resolve.
+
+    Parameters
+    ----------
+    rows
+        Regressors, shape (n, m).
+
+    Returns
+    -------
+    Array
+        Shape (m, m), with no zero on its diagonal.
+    """
+    factor = triangle(rows)
+    trace = 1e-10 * max(float(np.abs(factor).max()), 1e-300) * np.eye(factor.shape[1])
+    return triangle(np.vstack([factor, trace]))

@@ -1,8 +1,12 @@
 """An identification as a person reads it on a terminal."""
 
-from usmbench.identify.result import Identification
-from usmbench.model.hammerstein import OperatingPoint
-from usmbench.model.linear import time_constant_s
+from typing import Any
+
+from usmbench.identify.result import Identification, Scores
+from usmbench.model.hammerstein import HammersteinModel, OperatingPoint
+from usmbench.model.linear import dead_time_s, time_constant_s
+
+_WIDTH = 22
 
 
 def identification_table(found: Identification) -> str:
@@ -16,49 +20,84 @@ def identification_table(found: Identification) -> str:
     Returns
     -------
     str
-        Several lines, none longer than 100 characters, without a newline at the end.
+        Several lines without a newline at the end; intervals are 95 %.
     """
-    model, linear = found.model, found.model.linear
-    tau_s = time_constant_s(linear)
-    rows = [
-        (
-            "method",
-            f"{model.method}, {sum(s.n for s in found.scores)} samples, {found.fit_s:.2f} s",
-        ),
-        ("a", _numbers(linear.a.tolist())),
-        ("b", _numbers(linear.b.tolist())),
-        ("gain of the linear part", f"{linear.gain:.6g}"),
-        ("time constant", "none" if tau_s is None else f"{1e3 * tau_s:.3f} ms"),
-        ("dead time", f"{linear.dead_time_windows} windows"),
+    model = found.model
+    n = sum(score.n for score in found.scores)
+    lines = [
+        _line("method", f"{model.method}, {n} samples, {found.fit_s:.2f} s"),
+        *_dynamics(model),
     ]
-    lines = [f"{name:<24} {value}" for name, value in rows]
-    for point, score in zip(model.points, found.scores, strict=True):
-        lines += [
-            "",
-            _heading(point),
-            f"  degree {point.curve.degree}, φ from {point.phase_range_deg[0]:g}° to "
-            f"{point.phase_range_deg[1]:g}°, dead zone {_edges(point)}",
-            f"  RMSE {score.rmse_one_step_rad_s:.4g} rad/s one step ahead, "
-            f"{score.rmse_free_run_rad_s:.4g} rad/s free-running; SSE {score.sse:.4g} (rad/s)²",
-        ]
+    own = model.intervals.get("points") or [{}] * len(model.points)
+    for point, score, intervals in zip(model.points, found.scores, own, strict=True):
+        lines += ["", *_point(point, score, intervals)]
+    for test in found.tests:
+        verdict = f"yes (p = {test.p_value:.2g})" if test.p_value < 0.01 else "not seen"
+        lines.append(_line(test.question, verdict))
     return "\n".join(lines)
+
+
+def _dynamics(model: HammersteinModel) -> list[str]:
+    """Lines about the linear part."""
+    linear, intervals = model.linear, model.intervals
+    tau_s, dead_s = time_constant_s(linear), dead_time_s(linear)
+    lines = [
+        _line("a", _numbers(linear.a.tolist())),
+        _line("b", f"{_numbers(linear.b.tolist())}  (gain {linear.gain:.6g})"),
+    ]
+    if tau_s is not None:
+        lines.append(_line("time constant", _milliseconds(tau_s, intervals.get("tau_s"))))
+    if dead_s is not None:
+        lines.append(_line("dead time", _milliseconds(dead_s, intervals.get("dead_time_s"))))
+    return lines
+
+
+def _point(point: OperatingPoint, score: Scores, intervals: dict[str, Any]) -> list[str]:
+    """Lines about one operating point."""
+    low_deg, high_deg = point.phase_range_deg
+    edges = ("dead_zone_low_deg", "dead_zone_high_deg")
+    zone = ", ".join(
+        "no edge" if edge is None else f"{edge:.2f}°{_interval(intervals.get(key), 1.0, '.2f')}"
+        for edge, key in zip(point.dead_zone_deg, edges, strict=True)
+    )
+    lines = [
+        _heading(point),
+        _line("  curve", f"degree {point.curve.degree}, φ from {low_deg:g}° to {high_deg:g}°"),
+        _line("  dead zone", zone),
+    ]
+    gain = intervals.get("gain_rad_s")
+    if gain is not None:
+        value = f"{0.5 * (gain[0] + gain[1]):.3f} rad/s{_interval(gain, 1.0, '.3f')}"
+        lines.append(_line("  highest speed", value))
+    return [
+        *lines,
+        _line("  RMSE, one step", f"{score.rmse_one_step_rad_s:.4g} rad/s"),
+        _line("  RMSE, free-running", f"{score.rmse_free_run_rad_s:.4g} rad/s"),
+        _line("  SSE", f"{score.sse:.4g} (rad/s)² over {score.n} samples"),
+    ]
+
+
+def _line(name: str, value: str) -> str:
+    return f"{name:<{_WIDTH}} {value}"
 
 
 def _heading(point: OperatingPoint) -> str:
     """Name the operating point."""
     frequency = "" if point.frequency_hz is None else f" {point.frequency_hz:g} Hz"
     torque = "" if point.torque_nm is None else f" {point.torque_nm:g} N·m"
-    return f"operating point{frequency}{torque}" if frequency or torque else "operating point"
+    return f"operating point{frequency}{torque}"
 
 
-def _edges(point: OperatingPoint) -> str:
-    """Write the dead zone's edges."""
-    low_deg, high_deg = point.dead_zone_deg
-    if low_deg is None and high_deg is None:
-        return "not seen"
-    low = "…" if low_deg is None else f"{low_deg:.2f}°"
-    high = "…" if high_deg is None else f"{high_deg:.2f}°"
-    return f"{low} to {high}"
+def _milliseconds(value_s: float, interval_s: list[float] | None) -> str:
+    return f"{1e3 * value_s:.3f} ms{_interval(interval_s, 1e3, '.3f')}"
+
+
+def _interval(interval: list[float] | None, factor: float, form: str) -> str:
+    """Write an interval in brackets, or nothing where there is none."""
+    if interval is None:
+        return ""
+    low, high = (f"{factor * end:{form}}" for end in interval)
+    return f"  [{low}, {high}]"
 
 
 def _numbers(values: list[float]) -> str:

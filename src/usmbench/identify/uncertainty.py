@@ -1,0 +1,231 @@
+"""95 % intervals: how far the estimates would move with other noise of the same kind."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
+from scipy.special import ndtri
+
+from usmbench.identify.dynamics import Family
+from usmbench.identify.knots import dead_zone_deg, standing_edges_deg
+from usmbench.identify.noise import coloured_back, fit_noise
+from usmbench.identify.output_error import Fit, Projected
+from usmbench.identify.polish import Polished
+from usmbench.identify.triangle import full_rank, triangle
+from usmbench.model.bernstein import bernstein_basis
+from usmbench.model.hammerstein import StaticCurve
+from usmbench.model.inverse_map import bezier_abscissa
+from usmbench.model.linear import dead_time_s, time_constant_s
+
+Array = NDArray[np.float64]
+
+_TWO_SIDED = float(ndtri(0.975))
+_BAND_POINTS = 91
+_EDGE_GRID = 1001
+_DRAWS = 300
+_NUDGE = 1e-5
+
+
+@dataclass(frozen=True, slots=True)
+class Covariance:
+    """Square roots C of covariances C Cᵀ.
+
+    Parameters
+    ----------
+    dynamics
+        Of the family's parameters, shape (m, k).
+    delta
+        Of each operating point's ordinates, shape (d + 1, k).
+    noise_coefficients
+        Autoregressive colour of the noise that was assumed.
+    """
+
+    dynamics: Array
+    delta: tuple[Array, ...]
+    noise_coefficients: Array
+
+
+def covariance(problem: Projected, share: float) -> Covariance:
+    """Return the covariance of the estimates under the residuals' own colour.
+
+    With the regressors J, the mean slope κ of the robust influence ψ, and ψ of the residuals an
+    autoregressive process with covariance Γ, it is the sandwich ``B Jᵀ Γ J B`` with
+    ``B = (κ JᵀJ + prior)⁻¹`` (Huber and Ronchetti 2009, section 7.6). Everything is formed from
+    triangular factors; the curves of the operating points touch only through the dynamics.
+
+    Parameters
+    ----------
+    problem
+        The problem at the estimate.
+    share
+        Rows of the problem over the rows that the estimate rests on.
+    """
+    linearised = problem.linearised()
+    colour, white = fit_noise([piece.influence for piece in linearised])
+    n = sum(piece.influence.size for piece in linearised)
+    slope = sum(float(piece.slope.sum()) for piece in linearised) / n
+    parts = []
+    for point, prior in enumerate(problem.penalties):
+        mine = [piece for piece in linearised if piece.point == point]
+        regressors = np.vstack([piece.regressors for piece in mine])
+        still = np.zeros((prior.shape[0], regressors.shape[1] - prior.shape[1]))
+        bread = np.vstack([np.sqrt(slope) * regressors, np.hstack([prior, still])])
+        coloured = [white * coloured_back(colour, piece.regressors) for piece in mine]
+        # The prior counts as noise too: so the band covers the bias it brings (Nychka 1988).
+        coloured.append(white * np.hstack([prior, still]))
+        parts.append(_Part(full_rank(bread), triangle(np.vstack(coloured)).T, prior.shape[1]))
+    size = problem.fit.parameters.size + sum(part.n for part in parts)
+    inflation = np.sqrt(share * n / max(n - size, 1))
+    dynamics = _dynamics_root(parts) * inflation
+    deltas, first = [], 0
+    for part in parts:
+        own = np.zeros((part.n, dynamics.shape[1]))
+        last = first + part.meat.shape[1]
+        own[:, first:last] = inflation * part.solved_twice(part.meat[: part.n])
+        deltas.append(own - solve_triangular(part.corner, part.coupling @ dynamics))
+        first = last
+    return Covariance(dynamics, tuple(deltas), colour)
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """Triangular factors of one operating point: curve first, dynamics after it."""
+
+    bread: Array
+    meat: Array
+    n: int
+
+    @property
+    def corner(self) -> Array:
+        return self.bread[: self.n, : self.n]
+
+    @property
+    def coupling(self) -> Array:
+        return self.bread[: self.n, self.n :]
+
+    def solved_twice(self, columns: Array) -> Array:
+        """Return (FᵀF)⁻¹ columns from the factor of F."""
+        half = solve_triangular(self.corner, columns, trans="T")
+        return np.asarray(solve_triangular(self.corner, half), dtype=np.float64)
+
+
+def _dynamics_root(parts: Sequence[_Part]) -> Array:
+    """Square root of the dynamics' covariance, with one block of columns an operating point."""
+    pushed = []
+    for part in parts:
+        carried = solve_triangular(part.corner, part.meat[: part.n], trans="T")
+        pushed.append(part.meat[part.n :] - part.coupling.T @ carried)
+    columns = np.asarray(np.hstack(pushed), dtype=np.float64)
+    if columns.shape[0] == 0:
+        return columns
+    corner = triangle(np.vstack([part.bread[part.n :, part.n :] for part in parts]))
+    half = solve_triangular(corner, columns, trans="T")
+    return np.asarray(solve_triangular(corner, half), dtype=np.float64)
+
+
+def dynamics_intervals(
+    fit: Fit | Polished, family: Family, spread: Covariance, window_s: float | None
+) -> dict[str, Any]:
+    """Return 95 % intervals of a, b, time constant and dead time.
+
+    Parameters
+    ----------
+    fit
+        The estimate.
+    family
+        Its family of linear parts.
+    spread
+        Its covariance.
+    window_s
+        Time step.
+
+    Returns
+    -------
+    dict
+        ``a`` and ``b``: a [low, high] an element; ``tau_s``, ``dead_time_s``: [low, high] or None.
+    """
+
+    def outcome(parameters: Array) -> Array:
+        linear = family.dynamics(parameters).linear_part(window_s)
+        tau_s, dead_s = time_constant_s(linear), dead_time_s(linear)
+        ends = [np.nan if tau_s is None else np.log(tau_s), np.nan if dead_s is None else dead_s]
+        return np.concatenate([linear.a, linear.b, np.array(ends)])
+
+    centre = outcome(fit.parameters)
+    slopes = np.empty((centre.size, fit.parameters.size))
+    for k in range(fit.parameters.size):
+        nudge = _NUDGE * np.eye(fit.parameters.size)[k]
+        up, down = (family.moved(fit.parameters, side * nudge) for side in (1.0, -1.0))
+        slopes[:, k] = (outcome(up) - outcome(down)) / (up[k] - down[k])
+    reach = _TWO_SIDED * np.linalg.norm(slopes @ spread.dynamics, axis=1)
+    na = fit.dynamics.a.size
+    low, high = centre - reach, centre + reach
+    pairs = np.column_stack([low, high]).tolist()
+    tau = np.exp(pairs[-2]).tolist()
+    return {
+        "a": pairs[:na],
+        "b": pairs[na:-2],
+        "tau_s": None if np.isnan(tau[0]) else tau,
+        "dead_time_s": None if np.isnan(pairs[-1][0]) else [max(pairs[-1][0], 0.0), pairs[-1][1]],
+    }
+
+
+def curve_intervals(curve: StaticCurve, root: Array) -> dict[str, Any]:
+    """Return 95 % intervals of a curve, its highest speed and its dead zone.
+
+    Parameters
+    ----------
+    curve
+        The curve.
+    root
+        Square root of its ordinates' covariance, shape (d + 1, k).
+
+    Returns
+    -------
+    dict
+        ``band`` with ``phase_deg``, ``low_rad_s``, ``high_rad_s`` (at each phase by itself),
+        ``gain_rad_s`` (highest speed) and ``dead_zone_low_deg``, ``dead_zone_high_deg`` as
+        [low, high] or None.
+    """
+    grid_deg = np.linspace(curve.knots_deg[0], curve.knots_deg[-1], _BAND_POINTS)
+    basis = bernstein_basis(bezier_abscissa(grid_deg, curve.knots_deg), curve.degree)
+    speed = basis @ curve.delta
+    reach = _TWO_SIDED * np.linalg.norm(basis @ root, axis=1)
+    top = int(np.argmax(np.abs(speed)))
+    gain = abs(float(speed[top]))
+    low, high = _edge_intervals(curve, root)
+    return {
+        "band": {
+            "phase_deg": grid_deg.tolist(),
+            "low_rad_s": (speed - reach).tolist(),
+            "high_rad_s": (speed + reach).tolist(),
+        },
+        "gain_rad_s": [gain - float(reach[top]), gain + float(reach[top])],
+        "dead_zone_low_deg": low,
+        "dead_zone_high_deg": high,
+    }
+
+
+def _edge_intervals(
+    curve: StaticCurve, root: Array
+) -> tuple[list[float] | None, list[float] | None]:
+    """Intervals of the dead zone's edges, from curves drawn within the covariance."""
+    rng = np.random.default_rng(0)  # the same model gives the same report
+    drawn = curve.delta + rng.standard_normal((_DRAWS, root.shape[1])) @ root.T
+    grid_deg = np.linspace(curve.knots_deg[0], curve.knots_deg[-1], _EDGE_GRID)
+    basis = bernstein_basis(bezier_abscissa(grid_deg, curve.knots_deg), curve.degree)
+    edges = [standing_edges_deg(grid_deg, basis @ delta) for delta in drawn]
+    low_deg, high_deg = dead_zone_deg(curve)
+    return _around(low_deg, [e[0] for e in edges]), _around(high_deg, [e[1] for e in edges])
+
+
+def _around(estimate: float | None, drawn: Sequence[float | None]) -> list[float] | None:
+    """Interval about an estimate as wide as the draws are."""
+    known = np.array([value for value in drawn if value is not None])
+    if estimate is None or known.size < 0.9 * len(drawn):
+        return None
+    reach = _TWO_SIDED * float(known.std())
+    return [estimate - reach, estimate + reach]
