@@ -19,6 +19,7 @@ from hil_sim.gpsim_board import GpsimBoard
 from hil_sim.gpsim_bridge import CYCLES_PER_SECOND, GpsimBridge
 from hil_sim.line import BYTE_S
 from hil_sim.signals import Drive
+from hil_sim.testbed import BoardMachine
 from usmbench.instruments.protocol import _generated as wire
 from usmbench.instruments.protocol._generated import RequestType, ResetCause
 from usmbench.instruments.protocol.frames import encode_frame
@@ -69,8 +70,9 @@ class Pair:
 
     def seen(self) -> tuple[Seen, Seen]:
         """Return what each did, and forget it."""
-        both = []
-        for board, words in zip((self.emulated, self.image), self.words, strict=True):
+        both: list[Seen] = []
+        boards: tuple[BoardMachine, BoardMachine] = (self.emulated, self.image)
+        for board, words in zip(boards, self.words, strict=True):
             replies = [reply for _, reply in board.replies]
             both.append((replies, words.copy(), [drive for _, drive in board.drive_changes]))
             board.replies.clear()

@@ -124,6 +124,33 @@ class GpsimBoard:
         name = _CAUSE_NAMES.get(cause, cause.name.lower())
         self._take(self._bridge.command(f"reset {name}"))
 
+    def disturb(self, *commands: str) -> list[Event]:
+        """Do to the board what its surroundings might.
+
+        Parameters
+        ----------
+        commands
+            Commands of the bridge, such as "register f8b 0" or "sdata 0".
+
+        Returns
+        -------
+        list of dict
+            What happened meanwhile.
+        """
+        events = self._bridge.command(*commands)
+        self._take(events)
+        return events
+
+    def watch_words(self, log: SpiLog) -> None:
+        """Tell of every word from here on, in place of the log given before.
+
+        Parameters
+        ----------
+        log
+            What is told.
+        """
+        self._spi_log = log
+
     def _take(self, events: list[Event]) -> None:
         for event in events:
             if "byte" in event:

@@ -126,7 +126,7 @@ bool obey(Board &board, const std::string &line) {
     else if (command == "send" && words >> text) send_hex(board, text, words >> cycle ? cycle : 0);
     else if (command == "measure") log_measured(board);
     else if (command == "register" && words >> std::hex >> address >> value)
-        board.pic.set_register(address, value);
+        board.pic.write_register(address, value);
     else if (command == "goto" && words >> std::hex >> address) board.pic.set_program_counter(address);
     else if (command == "sdata" && words >> text) {
         if (text == "free") board.sdata.release();

@@ -140,4 +140,6 @@ IOPIN *Pic::port_pin(char port, unsigned bit) {
 
 void Pic::set_register(unsigned address, unsigned value) { registers[address]->value.put(value); }
 
+void Pic::write_register(unsigned address, unsigned value) { registers[address]->put(value); }
+
 void Pic::set_program_counter(unsigned address) { pc->put_value(address); }

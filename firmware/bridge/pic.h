@@ -30,11 +30,12 @@ public:
     void reset(RESET_TYPE type) override;
 
     IOPIN *port_pin(char port, unsigned bit);
-    void set_register(unsigned address, unsigned value);
+    void write_register(unsigned address, unsigned value);  // as the program would
     void set_program_counter(unsigned address);
     const Measured &measured() const { return measured_; }
 
 private:
+    void set_register(unsigned address, unsigned value);  // its value alone, without effects
     void measure();
 
     std::optional<Cause> pending_;

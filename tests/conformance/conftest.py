@@ -27,6 +27,7 @@ from usmbench.instruments.protocol.frames import decode_frame, encode_frame
 REAL_PORT = os.environ.get("USMBENCH_REAL_BOARD_PORT")
 IMAGE_IS_BUILT = (BUILD / "bridge").is_file() and (BUILD / "generator.hex").is_file()
 SIMULATED = ["emulated", *(["gpsim"] if IMAGE_IS_BUILT else [])]
+collect_ignore = [] if IMAGE_IS_BUILT else ["test_image.py", "test_both_boards.py"]
 EVERY_BOARD = [*SIMULATED, *(["real"] if REAL_PORT else [])]
 
 
@@ -105,8 +106,7 @@ class MachineLine:
         self.board.reset(self.now_s, cause)
         self.wait(0.001)
 
-    @property
-    def driving(self) -> bool:
+    def drives(self) -> bool:
         changes = self.board.drive_changes
         return bool(changes) and changes[-1][1].amplitude_a > 0.0
 
@@ -231,6 +231,30 @@ def host(request: pytest.FixtureRequest) -> Iterator[Host]:
         yield real
         real.exchange(b"\0")
         real.ask(RequestType.OUTPUTS, 0)
+
+
+class ImageHost(BenchHost):
+    """A host of the firmware in gpsim, which can also disturb its processor."""
+
+    line: MachineLine
+
+    @property
+    def image(self) -> GpsimBoard:
+        assert isinstance(self.line.board, GpsimBoard)
+        return self.line.board
+
+    def disturb(self, *commands: str) -> None:
+        """Give the bridge commands; then let the firmware run on to the host's time."""
+        self.image.disturb(*commands)
+        self.line.wait(0.001)
+
+
+@pytest.fixture
+def image_host() -> Iterator[ImageHost]:
+    """The firmware in gpsim, fresh from power-on."""
+    with ExitStack() as stack:
+        host = open_simulated("gpsim", stack)
+        yield ImageHost(host.line)
 
 
 @pytest.fixture

@@ -118,6 +118,6 @@ def test_silence_empties_the_memory(bench_host: "BenchHost") -> None:
     on = bench_host.frame(RequestType.OUTPUTS, 1)
     bench_host.ask_raw(on)
     bench_host.line.wait(1.1)
-    assert not bench_host.line.driving
+    assert not bench_host.line.drives()
     assert bench_host.ask_raw(on).flags == Flags.CONFIGURED | Flags.OUTPUTS_ON
-    assert bench_host.line.driving
+    assert bench_host.line.drives()

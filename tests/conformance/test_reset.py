@@ -27,7 +27,7 @@ def test_a_reset_stops_the_drive_and_tells_its_cause(
     bench_host.exchange(b"\x05\x06\0")
     bench_host.new_words()
     bench_host.line.reset(cause)
-    assert not bench_host.line.driving
+    assert not bench_host.line.drives()
     assert bench_host.new_words() == RESET_WORDS
     assert bench_host.status() == (Flags.NOT_IDENTIFIED, cause, 0, 0, 0, 0, 0, 0, 0)
 
@@ -39,10 +39,10 @@ def test_a_reset_at_any_point_of_a_request(bench_host: "BenchHost", kind: Reques
         bench_host.start()
         bench_host.line.send(bench_host.frame(kind, *fields)[:sent])
         bench_host.line.reset(ResetCause.EXTERNAL)
-        assert not bench_host.line.driving
+        assert not bench_host.line.drives()
         bench_host.line.received()
         bench_host.exchange(b"\0")
         status = bench_host.status()
         assert status[:7] == (Flags.NOT_IDENTIFIED, ResetCause.EXTERNAL, 0, 0, 0, 0, 0)
         bench_host.line.wait(0.1)
-        assert not bench_host.line.driving
+        assert not bench_host.line.drives()

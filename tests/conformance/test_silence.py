@@ -20,7 +20,7 @@ def stop_time_s(host: "BenchHost") -> float:
     began_s = host.line.now_s
     host.line.wait(1.2)
     host.line.received()
-    assert not host.line.driving
+    assert not host.line.drives()
     return host.line.board.drive_changes[-1][0] - began_s
 
 
@@ -40,7 +40,7 @@ def test_the_drive_stops_at_any_point_of_a_frame(bench_host: "BenchHost", sent: 
     bench_host.line.wait(0.5)
     bench_host.line.send(HEARTBEAT[:sent])
     bench_host.line.wait(0.8)
-    assert not bench_host.line.driving
+    assert not bench_host.line.drives()
     assert stop_s <= bench_host.line.board.drive_changes[-1][0] <= stop_s + 0.002
     bench_host.exchange(b"\0")
     assert bench_host.status().flags == TRIPPED
@@ -52,7 +52,7 @@ def test_noise_and_replies_do_not_keep_the_drive_on(bench_host: "BenchHost", noi
     for _ in range(13):
         bench_host.exchange(noise)
         bench_host.line.wait(0.1)
-    assert not bench_host.line.driving
+    assert not bench_host.line.drives()
 
 
 @pytest.mark.parametrize(
@@ -69,7 +69,7 @@ def test_any_request_keeps_the_drive_on(bench_host: "BenchHost", frame: bytes) -
     for _ in range(4):
         bench_host.exchange(frame)
         bench_host.line.wait(0.95)
-    assert bench_host.line.driving
+    assert bench_host.line.drives()
     assert bench_host.status().flags == DRIVEN
 
 
@@ -80,7 +80,7 @@ def test_silence_while_off_is_no_trip(bench_host: "BenchHost") -> None:
     assert bench_host.status().flags == Flags.CONFIGURED
     assert bench_host.ask(RequestType.OUTPUTS, 1).acknowledged
     bench_host.line.wait(0.5)
-    assert bench_host.line.driving
+    assert bench_host.line.drives()
 
 
 @pytest.mark.parametrize(("value", "flags"), [(0, Flags.CONFIGURED), (1, DRIVEN)])

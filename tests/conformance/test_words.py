@@ -89,10 +89,10 @@ def test_settings_made_while_off_wait_for_the_outputs(bench_host: "BenchHost") -
     bench_host.start(440_000, 0)
     bench_host.ask(RequestType.OUTPUTS, 0)
     bench_host.ask(RequestType.SET_DRIVE, 441_000, 500)
-    assert not bench_host.line.driving
+    assert not bench_host.line.drives()
     bench_host.ask(RequestType.OUTPUTS, 1)
     drive = bench_host.line.board.drive_changes[-1][1]
     assert drive.frequency_hz == pytest.approx(441_000 * HZ_PER_WORD, rel=1e-12)
     assert drive.phase_deg == pytest.approx(500 * DEG_PER_WORD, abs=1e-12)
     bench_host.line.reset(ResetCause.EXTERNAL)
-    assert not bench_host.line.driving
+    assert not bench_host.line.drives()
