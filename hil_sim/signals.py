@@ -1,6 +1,6 @@
 """What passes between the machines of the testbed."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -25,6 +25,18 @@ class Drive:
     phase_deg: float = 0.0
     amplitude_a: float = 0.0
     amplitude_b: float = 0.0
+
+    def scaled(self, ratio: float) -> "Drive":
+        """Return the drive with both amplitudes multiplied.
+
+        Parameters
+        ----------
+        ratio
+            Factor.
+        """
+        return replace(
+            self, amplitude_a=ratio * self.amplitude_a, amplitude_b=ratio * self.amplitude_b
+        )
 
 
 @dataclass(frozen=True, slots=True)

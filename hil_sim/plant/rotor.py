@@ -43,15 +43,11 @@ class RotorState(NamedTuple):
 
 
 class ShaftLoad(Protocol):
-    """What else hangs on the shaft than a brake and a weight.
+    """What else hangs on the shaft than a brake and a weight."""
 
-    Attributes
-    ----------
-    pull_bound_nm
-        Size that the pull never exceeds while the shaft stands still.
-    """
-
-    pull_bound_nm: float
+    @property
+    def pull_bound_nm(self) -> float:
+        """Size that the pull never exceeds while the shaft stands still."""
 
     def torques_nm(
         self, time_s: float, angle_rad: float, speed_rad_s: float
