@@ -33,6 +33,12 @@ def arguments_of(function: Callable[..., Any]) -> set[str]:
     return {n for n in inspect.signature(function).parameters if n not in SELF and n[0] != "_"}
 
 
+def documented_of_method(kind: type, name: str) -> set[str]:
+    """A method may leave to the one it overrides what that says already."""
+    versions = (vars(base)[name] for base in kind.__mro__ if name in vars(base))
+    return set().union(*(documented_in(version.__doc__) for version in versions))
+
+
 def undocumented_of_class(kind: type) -> Iterator[str]:
     if "__init__" in vars(kind) and not issubclass(kind, tuple):
         for name in sorted(arguments_of(kind.__init__) - documented_in(kind.__doc__)):
@@ -41,7 +47,7 @@ def undocumented_of_class(kind: type) -> Iterator[str]:
         function = inspect.unwrap(getattr(member, "__func__", member))
         if name.startswith("_") or not inspect.isfunction(function):
             continue
-        for argument in sorted(arguments_of(function) - documented_in(function.__doc__)):
+        for argument in sorted(arguments_of(function) - documented_of_method(kind, name)):
             yield f"{kind.__qualname__}.{name}({argument})"
 
 
