@@ -35,6 +35,7 @@
 
 namespace {
 
+constexpr double kStartUpSeconds = 1e-3;  // the firmware listens before a host can speak
 constexpr uint64_t kLongestReply = 50 * 10 * kCyclesPerBit;
 
 void log_word(const std::string &chips, const Ad9833 &chip) {
@@ -173,9 +174,10 @@ int run_terminal(Board &board) {
     cfmakeraw(&settings);
     cfsetspeed(&settings, B115200);
     tcsetattr(other_end, TCSANOW, &settings);
+    board.pic.run_until(static_cast<uint64_t>(kStartUpSeconds * kCyclesPerSecond));
     log_event(std::string("\"pty\": \"") + ptsname(terminal) + "\"");
     log_flush();
-    const double start = seconds();
+    const double start = seconds() - kStartUpSeconds;
     for (;;) {
         // Wakes for the host's bytes, every half millisecond for time, and ends with its parent.
         pollfd watched[] = {{terminal, POLLIN, 0}, {STDIN_FILENO, 0, 0}};
@@ -205,7 +207,9 @@ int main(int argc, char **argv) {
     try {
         initialize_gpsim_core();
         Board board(argv[1]);
-        return terminal ? run_terminal(board) : run_commands(board);
+        const int status = terminal ? run_terminal(board) : run_commands(board);
+        log_flush();
+        _exit(status);  // gpsim's own destructors take seconds
     } catch (const std::exception &failure) {
         fprintf(stderr, "bridge: %s\n", failure.what());
         return 3;
