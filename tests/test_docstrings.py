@@ -6,10 +6,11 @@ import pkgutil
 from collections.abc import Callable, Iterator
 from typing import Any
 
-import hil_sim
 import pytest
-import usmbench
 from numpydoc.docscrape import FunctionDoc
+
+import hil_sim
+import usmbench
 
 SELF = {"self", "cls"}
 
@@ -80,4 +81,4 @@ def test_an_undocumented_argument_is_found() -> None:
             self.speed_rad_s = speed_rad_s
 
     assert arguments_of(forgetful) - documented_in(forgetful.__doc__) == {"phase_deg"}
-    assert list(undocumented_of_class(Forgetful))[0].endswith("Forgetful(speed_rad_s)")
+    assert next(iter(undocumented_of_class(Forgetful))).endswith("Forgetful(speed_rad_s)")

@@ -1,0 +1,69 @@
+import pytest
+
+from usmbench import __version__
+from usmbench.cli.main import COMMANDS, STOPPED_BY_USER, main
+from usmbench.errors import BenchError
+
+
+def test_the_version_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as left:
+        main(["--version"])
+    assert left.value.code == 0
+    assert capsys.readouterr().out == f"usmbench {__version__}\n"
+
+
+@pytest.mark.parametrize("command", sorted(COMMANDS))
+def test_every_command_explains_itself(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as left:
+        main([command, "--help"])
+    assert left.value.code == 0
+    assert f"usmbench {command}" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "words", [[], ["sweeep"], ["replay"], ["sweep", "--bench"], ["identify", "a", "--degree", "x"]]
+)
+def test_wrong_usage_is_one_line_and_status_2(
+    words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(words) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.startswith("usmbench: ")
+    assert said.err.count("\n") == 1
+    assert "--help" in said.err
+
+
+class Command:
+    """A subcommand whose run raises what a test wants."""
+
+    def __init__(self, error: BaseException):
+        self.error = error
+
+    def add_arguments(self, parser: object) -> None:
+        pass
+
+    def run(self, args: object) -> int:
+        raise self.error
+
+
+def run_raising(error: BaseException, monkeypatch: pytest.MonkeyPatch) -> int:
+    monkeypatch.setattr("importlib.import_module", lambda name: Command(error))
+    return main(["demo"])
+
+
+def test_a_failed_bench_is_status_3_and_its_notes_are_told(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    error = BenchError("the card is gone")
+    error.add_note("switching the outputs off failed")
+    assert run_raising(error, monkeypatch) == 3
+    said = capsys.readouterr().err
+    assert said == "usmbench: the card is gone; switching the outputs off failed\n"
+
+
+def test_ctrl_c_is_status_130(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_raising(KeyboardInterrupt(), monkeypatch) == STOPPED_BY_USER
+    assert "stopped by the user" in capsys.readouterr().err

@@ -1,0 +1,152 @@
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from usmbench.cli.main import main
+from usmbench.cli.simulated_bench import start_testbed
+from usmbench.errors import BenchError
+from usmbench.runs.reader import read_run
+
+PLAN = """\
+format: usmbench-plan/1
+name: short
+frequency_hz: 41000
+torque_nm: {torque}
+{load}
+passes:
+  - phase_deg: [-90, -30, 0, 30, 90]
+    direction: both
+    repeats: {repeats}
+dwell: {{windows: 20}}
+"""
+
+
+def plan_file(
+    folder: Path, *, torque: str = "0", load: str = "load: constant", repeats: int = 1
+) -> str:
+    file = folder / "plan.yaml"
+    file.write_text(PLAN.format(torque=torque, load=load, repeats=repeats))
+    return str(file)
+
+
+def sweep_process(folder: Path, *words: str) -> "subprocess.Popen[str]":
+    command = [sys.executable, "-m", "usmbench", "sweep", *words, "--bench", "simulated"]
+    return subprocess.Popen(
+        command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+
+
+def wait_for_rows(file: Path, rows: int, timeout_s: float = 60.0) -> None:
+    deadline_s = time.monotonic() + timeout_s
+    while not file.exists() or file.read_bytes().count(b"\n") < rows:
+        assert time.monotonic() < deadline_s, "the sweep did not write its rows"
+        time.sleep(0.02)
+
+
+def children(pid: int) -> list[int]:
+    listing = Path(f"/proc/{pid}/task/{pid}/children").read_text(encoding="ascii")
+    return [int(word) for word in listing.split()]
+
+
+def is_alive(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text(encoding="ascii").split(")")[1].split()[0] != "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+
+
+def test_the_testbed_answers_and_goes_when_it_is_not_needed() -> None:
+    with start_testbed(["--lock-step", "--seed", "3"]) as testbed:
+        assert Path(testbed.port).exists()
+        assert testbed.daq_address.startswith("127.0.0.1:")
+        testbed.set_load(0.1)
+        with pytest.raises(BenchError, match="load"):
+            testbed.set_load(-1.0)
+    assert not Path(testbed.port).exists()
+
+
+def test_a_testbed_that_cannot_start_says_why() -> None:
+    with (
+        pytest.raises(BenchError, match=r"last words.*no-such-option"),
+        start_testbed(["--no-such-option"]),
+    ):
+        pass
+
+
+def test_the_load_of_the_plan_reaches_the_motor(tmp_path: Path) -> None:
+    speeds = []
+    for torque in ("0", "0.2"):
+        out = tmp_path / torque
+        plan = plan_file(tmp_path, torque=torque)
+        assert main(["sweep", plan, "--bench", "simulated", "--out", str(out)]) == 0
+        pairs = read_run(out).pairs
+        assert pairs is not None
+        speeds.append(float(pairs.speed_rad_s[pairs.phase_deg == 30.0][0]))
+    assert speeds[1] < speeds[0] - 0.5
+
+
+def test_a_run_driven_again_gives_the_same_rows(tmp_path: Path) -> None:
+    plan = plan_file(tmp_path)
+    first, again = tmp_path / "first", tmp_path / "again"
+    assert main(["sweep", plan, "--bench", "simulated", "--out", str(first)]) == 0
+    assert main(["replay", str(first), "--bench", "simulated", "--out", str(again)]) == 0
+    assert (first / "windows.csv").read_bytes() == (again / "windows.csv").read_bytes()
+
+
+def test_ctrl_c_from_outside_ends_in_130_with_the_folder_closed(tmp_path: Path) -> None:
+    process = sweep_process(tmp_path, plan_file(tmp_path, repeats=500), "--out", "run")
+    wait_for_rows(tmp_path / "run" / "windows.csv", 50)
+    (testbed,) = children(process.pid)
+    process.send_signal(signal.SIGINT)
+    said, complained = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert said == "run\n"
+    assert complained == "usmbench: stopped by the user\n"
+    assert read_run(tmp_path / "run").meta["exit"] == "interrupted"
+    assert not is_alive(testbed)
+
+
+def test_kill_9_loses_no_row_and_leaves_no_testbed_behind(tmp_path: Path) -> None:
+    process = sweep_process(tmp_path, plan_file(tmp_path, repeats=500), "--out", "run")
+    windows = tmp_path / "run" / "windows.csv"
+    wait_for_rows(windows, 50)
+    (testbed,) = children(process.pid)
+    os.kill(process.pid, signal.SIGKILL)
+    process.communicate(timeout=30)
+    record = read_run(tmp_path / "run")
+    assert len(record.t_s) >= 49
+    assert "exit" not in record.meta
+    deadline_s = time.monotonic() + 20.0
+    while is_alive(testbed):
+        assert time.monotonic() < deadline_s, "the testbed outlives the process that started it"
+        time.sleep(0.05)
+
+
+def test_a_dead_testbed_is_status_3_and_named(tmp_path: Path) -> None:
+    process = sweep_process(tmp_path, plan_file(tmp_path, repeats=500), "--out", "run")
+    wait_for_rows(tmp_path / "run" / "windows.csv", 50)
+    (testbed,) = children(process.pid)
+    os.kill(testbed, signal.SIGKILL)
+    _, complained = process.communicate(timeout=60)
+    assert process.returncode == 3
+    assert complained.count("\n") == 1
+    assert "Traceback" not in complained
+    assert str(read_run(tmp_path / "run").meta["exit"]).startswith("failed: ")
+
+
+def test_the_address_is_json_for_programs() -> None:
+    command = [sys.executable, "-m", "hil_sim", "--json", "--stdin-control", "--lock-step"]
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        address = json.loads(process.stdout.readline())
+        assert set(address) >= {"port", "daq"}
+        process.communicate(timeout=20)
+    assert process.returncode == 0
