@@ -1,8 +1,5 @@
 """The emulated board and the image side by side: the same replies, words and drives."""
 
-import subprocess
-import sys
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hypothesis import HealthCheck, given, settings
@@ -14,8 +11,6 @@ from usmbench.instruments.protocol.frames import encode_frame
 
 if TYPE_CHECKING:
     from tests.conformance.conftest import BenchHost
-
-BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
 
 frames = st.builds(
     encode_frame,
@@ -82,15 +77,3 @@ def test_every_word_asked_for_is_the_one_that_is_sent(
             both_boards[1].line.board.drive_changes[-1][1]
             == (both_boards[0].line.board.drive_changes[-1][1])
         )
-
-
-def test_small_fuzz() -> None:
-    done = subprocess.run(
-        [sys.executable, BENCHMARKS / "firmware_fuzz.py", "--small"],
-        capture_output=True,
-        text=True,
-        timeout=200,
-        check=False,
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "are equal" in done.stdout

@@ -2,4 +2,12 @@
 
 from hil_sim.gpsim_bridge import BUILD
 
-collect_ignore = [] if (BUILD / "bridge").is_file() else ["test_build.py", "test_bridge.py"]
+collect_ignore = (
+    []
+    if (BUILD / "bridge").is_file()
+    else [
+        "test_benchmarks.py",
+        "test_bridge.py",
+        "test_build.py",
+    ]
+)
