@@ -31,7 +31,7 @@ SMALL_PLAN = {
     "frequency_hz": 41_000,
     "warm_up": {"phase_deg": 90, "duration_s": 0.2},
     "passes": [{"phase_deg": [-90, 0, 45, 90], "direction": "rising"}],
-    "dwell": {"windows": 15},
+    "dwell": {"windows": 20},
 }
 
 
