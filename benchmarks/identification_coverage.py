@@ -3,9 +3,9 @@
     python benchmarks/identification_coverage.py [--small]
 
 Each data set is a random-phase run of 3000 windows of a known Hammerstein motor (lag 3.5 ms, dead
-time 1.5 ms, Bézier curve with a dead zone) with its own noise; the printed figures are the share
-of sets whose interval holds the true value, and how often each test of the residual, at 5 %, rejects
-though nothing is left.
+time 1.5 ms, Bézier curve with a dead zone) with its own noise. Printed are the share of sets whose
+interval holds the true value, and how often each test of the residual, at 5 %, rejects though
+nothing is left.
 """
 
 import argparse
@@ -39,8 +39,9 @@ def record(seed: int, n: int, colour: float) -> Record:
     clean = free_run(dynamics.linear_part(WINDOW_S), CURVE.speed_rad_s(phase_deg))
     white = NOISE_RAD_S * np.sqrt(1.0 - colour**2) * rng.standard_normal(n + 100)
     noise: Array = lfilter([1.0], [1.0, -colour], white)[100:]
-    t_s = WINDOW_S * np.arange(1, n + 1)
-    return Record(f"set {seed}", t_s, phase_deg, clean + noise, np.full(n, WINDOW_S))
+    t_s: Array = WINDOW_S * np.arange(1.0, n + 1.0)
+    speed_rad_s: Array = clean + noise
+    return Record(f"set {seed}", t_s, phase_deg, speed_rad_s, np.full(n, WINDOW_S))
 
 
 def coverage(n_sets: int, colour: float, n: int = 3000) -> dict[str, float]:
@@ -98,9 +99,7 @@ def main() -> None:
     args = parser.parse_args()
     n_sets = 40 if args.small else 1000
     white, coloured = coverage(n_sets, 0.0), coverage(n_sets, 0.6)
-    print(
-        f"share of {n_sets} data sets whose 95 % interval holds the truth, and of false alarms at 5 %"
-    )
+    print(f"{n_sets} data sets: share whose 95 % interval holds the truth; false alarms at 5 %")
     print(f"{'':48} {'white noise':>12} {'AR(1), 0.6':>12}")
     for name in white:
         print(f"{name:48} {100 * white[name]:11.1f} % {100 * coloured[name]:11.1f} %")

@@ -115,7 +115,7 @@ def _shape(
     start = separable_start(stretches, options.na, nb, _DEAD_TIMES)
     family = _family(options, start)
     rough = robust_fit(stretches, family, family.parameters(start), priors).problem.fit
-    rows = [curve_rows(data, k, rough.dynamics) for k in points]
+    rows = [curve_rows(data, k, rough) for k in points]
     choices = [
         _choice(rows[k], options, degrees[k], StaticCurve(even[k], rough.delta[k])) for k in points
     ]

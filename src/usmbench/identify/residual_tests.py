@@ -99,11 +99,14 @@ def residual_tests(problem: Projected, colour: Array) -> tuple[ResidualTest, Res
     """
     pieces = problem.linearised()
     residuals, regressors, inputs = [], [], []
-    points = len(problem.penalties)
+    dynamics = problem.fit.parameters.size
+    ends = np.cumsum([dynamics, *(delta.size for delta in problem.fit.delta)])
     for k, piece in enumerate(pieces):
-        n, width = piece.regressors.shape
-        wide = np.zeros((n, width * points))
-        wide[:, width * piece.point : width * (piece.point + 1)] = piece.regressors
+        n = piece.influence.size
+        wide = np.zeros((n, int(ends[-1])))
+        wide[:, :dynamics] = piece.regressors[:, -dynamics:] if dynamics else 0.0
+        own = slice(int(ends[piece.point]), int(ends[piece.point + 1]))
+        wide[:, own] = piece.regressors[:, : piece.regressors.shape[1] - dynamics]
         settled = problem.settled_rad_s(k)
         lagged = np.column_stack(
             [delayed(settled, k, settled[0]) for k in range(1, INPUT_LAGS + 1)]

@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
-from usmbench.identify.data import Dataset
+from usmbench.identify.data import Dataset, Segment
 from usmbench.identify.dynamics import NONE, Dynamics
 from usmbench.identify.knots import place_knots
+from usmbench.identify.output_error import Fit
 from usmbench.identify.triangle import triangle
 from usmbench.model.bernstein import bernstein_basis
 from usmbench.model.hammerstein import StaticCurve
@@ -34,6 +35,7 @@ _MOST_ROWS = 4000
 _FEWEST_DWELLS = 10
 _STANDING_ROWS, _STANDING_WEIGHT = 25, 0.1
 _STANDING_SPEED = 0.002  # of the highest: less is standstill
+_WILD_SCALES, _WILD_SHARE = 10.0, 0.1  # of the residual's scale, of the highest speed
 _SIMPLER = 1.02  # a candidate must beat a simpler one by this factor
 
 
@@ -116,7 +118,7 @@ def prior_rows(
     return np.vstack([smooth, _STANDING_WEIGHT * np.sqrt(n) * still])
 
 
-def curve_rows(data: Dataset, point: int, dynamics: Dynamics) -> CurveRows:
+def curve_rows(data: Dataset, point: int, rough: Fit) -> CurveRows:
     """Gather the samples on which a point's curve is chosen.
 
     Where the record is made of dwells, each gives its median settled speed, and neighbouring
@@ -128,15 +130,18 @@ def curve_rows(data: Dataset, point: int, dynamics: Dynamics) -> CurveRows:
         The samples.
     point
         Index of the operating point.
-    dynamics
-        The linear part as far as it is known.
+    rough
+        A first fit to the same samples; what lies far off it is left out.
     """
+    dynamics = rough.dynamics
     forget = memory_windows(dynamics.linear_part(None))
     phases, speeds = _dwell_medians(data, point, forget)
     if phases.size >= _FEWEST_DWELLS:
         fold = _phase_folds(phases)
         return CurveRows((phases,), (speeds,), (fold,), NONE, _standing_deg(phases, speeds))
-    pieces = [s for s in data.segments if s.point == point]
+    chosen = [k for k, s in enumerate(data.segments) if s.point == point]
+    pieces = [data.segments[k] for k in chosen]
+    wild = _wild([rough.residual_rad_s[k] for k in chosen], pieces)
     total = sum(s.n for s in pieces)
     keep = min(1.0, _MOST_ROWS / total)
     cut = [max(forget + 1, int(s.n * keep)) for s in pieces]
@@ -145,6 +150,7 @@ def curve_rows(data: Dataset, point: int, dynamics: Dynamics) -> CurveRows:
         n = min(n, segment.n)
         fold = (np.arange(n) * _BLOCKS // max(n, 1) + k) % _FOLDS
         fold[: min(forget, n)] = -2
+        fold[wild[k][:n]] = -2
         folds.append(fold)
     return CurveRows(
         tuple(s.phase_deg[: f.size] for s, f in zip(pieces, folds, strict=True)),
@@ -152,6 +158,14 @@ def curve_rows(data: Dataset, point: int, dynamics: Dynamics) -> CurveRows:
         tuple(folds),
         dynamics,
     )
+
+
+def _wild(residuals: Sequence[Array], pieces: Sequence[Segment]) -> list[NDArray[np.bool_]]:
+    """Mark samples so far off that no curve explains them: further than a rough one's own error."""
+    scale = 1.4826 * float(np.median(np.abs(np.concatenate(residuals))))
+    top = max(float(np.quantile(np.abs(s.speed_rad_s), 0.95)) for s in pieces)
+    limit = max(_WILD_SCALES * scale, _WILD_SHARE * top)
+    return [np.abs(residual) > limit for residual in residuals]
 
 
 def choose_curve(

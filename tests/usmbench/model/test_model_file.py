@@ -1,0 +1,88 @@
+"""A model survives its file; a file that is none is refused with its name."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from usmbench.errors import InputError
+from usmbench.model.hammerstein import (
+    HammersteinModel,
+    LinearPart,
+    OperatingPoint,
+    StaticCurve,
+)
+from usmbench.model.model_file import read_model, write_model
+
+
+def model() -> HammersteinModel:
+    curve = StaticCurve(np.array([-90.0, 1 / 3, 90.0]), np.array([-10.0, 0.1, 10.0]))
+    point = OperatingPoint(41_000.0, 0.1, curve, (-88.0, 90.0), (-5.5, None), 0.01)
+    return HammersteinModel(
+        LinearPart(np.array([-0.05]), np.array([0.5, 0.45]), 1, 0.01),
+        (point,),
+        "fast",
+        fitted_on=({"name": "runs/a", "rows": 100},),
+        residual={"rmse_free_run_rad_s": 0.02},
+        intervals={"tau_s": [0.003, 0.004]},
+        unexplained=({"question": "other dynamics act on the input", "p_value": 1e-9},),
+        effects=({"cause": "phase_offset", "phase_offset_deg": 2.0},),
+    )
+
+
+def test_what_is_written_is_read_back_to_the_last_bit(tmp_path: Path) -> None:
+    path = tmp_path / "model.yaml"
+    write_model(path, model())
+    read = read_model(path)
+    assert read.points[0].curve.knots_deg.tolist() == [-90.0, 1 / 3, 90.0]
+    assert read.linear.b.tolist() == [0.5, 0.45]
+    assert read.points[0].dead_zone_deg == (-5.5, None)
+    for name in ("method", "fitted_on", "residual", "intervals", "unexplained", "effects"):
+        assert getattr(read, name) == getattr(model(), name)
+
+
+def test_the_file_says_its_version_and_a_newer_one_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "model.yaml"
+    write_model(path, model())
+    text = path.read_text(encoding="utf-8")
+    assert "format: usmbench-model/1\n" in text
+    path.write_text(text.replace("usmbench-model/1", "usmbench-model/2"), encoding="utf-8")
+    with pytest.raises(InputError, match=r"model.yaml: was written by a newer usmbench"):
+        read_model(path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("usmbench-model/1", "usmbench-run/1", "is no model file"),
+        ("method: fast", "method: [", "is not YAML"),
+        ("window_s: 0.01", "other: 0.01", "has no window_s"),
+        ("dead_time_windows: 1", "dead_time_windows: many", "holds a wrong value"),
+        ("a: [-0.05]", "a: [.nan]", "a must be a list of finite numbers"),
+        ("knots_deg: [-90.0,", "knots_deg: [95.0,", "the knots must rise"),
+        ("delta_rad_s: [-10.0, 0.1, 10.0]", "delta_rad_s: [1.0]", "1 ordinates for 3 knots"),
+    ],
+)
+def test_a_spoilt_file_is_refused_by_name(tmp_path: Path, old: str, new: str, words: str) -> None:
+    path = tmp_path / "model.yaml"
+    write_model(path, model())
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new), encoding="utf-8")
+    with pytest.raises(InputError, match=words) as caught:
+        read_model(path)
+    assert str(caught.value).startswith(str(path))
+
+
+def test_a_missing_file_and_a_folder_that_is_none_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="cannot be read"):
+        read_model(tmp_path / "none.yaml")
+    with pytest.raises(InputError, match="cannot be written"):
+        write_model(tmp_path / "none" / "model.yaml", model())
+
+
+def test_keys_of_the_users_own_are_ignored(tmp_path: Path) -> None:
+    path = tmp_path / "model.yaml"
+    write_model(path, model())
+    path.write_text(path.read_text(encoding="utf-8") + "note: mine\n", encoding="utf-8")
+    assert read_model(path).method == "fast"
