@@ -20,6 +20,9 @@ COMMANDS = {
     "demo": "all of it on the simulated testbed",
 }
 
+# Options whose value is a list of numbers, such as -90,0,90.
+LIST_OPTIONS = {"--knots"}
+
 
 class _OneLineParser(argparse.ArgumentParser):
     """An argument parser whose errors are one line, like every other bad input."""
@@ -49,6 +52,17 @@ def build_parser(command: str | None = None) -> argparse.ArgumentParser:
     return parser
 
 
+def _joined(words: Sequence[str]) -> list[str]:
+    """Join a list to its option: argparse takes a value that starts with a minus for another."""
+    joined: list[str] = []
+    for word in words:
+        if joined and joined[-1] in LIST_OPTIONS:
+            joined[-1] += f"={word}"
+        else:
+            joined.append(word)
+    return joined
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit status.
 
@@ -57,7 +71,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     arguments
         The command line without the program's name; None takes it from the process.
     """
-    words = list(sys.argv[1:] if arguments is None else arguments)
+    words = _joined(sys.argv[1:] if arguments is None else arguments)
     command = next((word for word in words if word in COMMANDS), None)
     try:
         parsed = build_parser(command).parse_args(words)
