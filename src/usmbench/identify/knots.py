@@ -98,8 +98,12 @@ def _tangent_foot_deg(size: Array, phase_deg: Array, slow: float, fast: float) -
     """Phase at which the chord between two speeds, continued, meets zero."""
     if size.max() <= fast:
         return None
-    first, second = int(np.argmax(size > slow)), int(np.argmax(size > fast))
-    if size[second] <= size[first]:
-        return None
-    slope = (size[second] - size[first]) / (phase_deg[second] - phase_deg[first])
-    return float(phase_deg[first] - size[first] / slope)
+    slow_deg, fast_deg = (_first_crossing_deg(size, phase_deg, level) for level in (slow, fast))
+    return slow_deg - slow * (fast_deg - slow_deg) / (fast - slow)
+
+
+def _first_crossing_deg(size: Array, phase_deg: Array, level: float) -> float:
+    """Phase at which a speed is first reached, between the grid's points."""
+    after = max(int(np.argmax(size > level)), 1)
+    share = (level - size[after - 1]) / (size[after] - size[after - 1])
+    return float(phase_deg[after - 1] + share * (phase_deg[after] - phase_deg[after - 1]))
