@@ -2,9 +2,11 @@
 
 import argparse
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from usmbench.cli.json_output import write_json
+from usmbench.diagnose.knowledge import with_knowledge
 from usmbench.errors import InputError
 from usmbench.identify.fast import FastOptions, identify_fast
 from usmbench.identify.paper import PaperOptions, identify_paper
@@ -12,6 +14,7 @@ from usmbench.identify.result import Identification
 from usmbench.model.model_file import write_model
 from usmbench.report.identification_table import identification_table
 from usmbench.runs.reader import read_run
+from usmbench.runs.record import Record
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -46,8 +49,9 @@ def run(args: argparse.Namespace) -> int:
         A run, an argument or the data will not do.
     """
     _check(args)
-    found = _identify(args)
-    write_model(args.out, found.model)
+    records = [read_run(path) for path in args.runs]
+    found = _identify(args, records)
+    write_model(args.out, with_knowledge(found.model, records))
     for warning in found.warnings:
         print(f"usmbench: warning: {warning}", file=sys.stderr)
     if args.json:
@@ -68,10 +72,9 @@ def _check(args: argparse.Namespace) -> None:
         raise InputError("--degree and --knots say the same twice; give one of them")
 
 
-def _identify(args: argparse.Namespace) -> Identification:
-    """Read the runs and identify by the method asked for."""
+def _identify(args: argparse.Namespace, records: Sequence[Record]) -> Identification:
+    """Identify by the method asked for."""
     knots_deg = _knots(args.knots)
-    records = [read_run(path) for path in args.runs]
     if args.method == "paper":
         nb = 0 if args.nb is None else args.nb
         return identify_paper(records, PaperOptions(args.degree, knots_deg, args.na, nb)).found

@@ -17,6 +17,7 @@ COMMANDS = {
     "sweep": "drive the testbed through a plan and write a run folder",
     "identify": "from runs to a model of the motor",
     "replay": "a run's commands through a model, or through a bench again",
+    "diagnose": "what the simulation gets wrong, why, and what it gains to know",
     "demo": "all of it on the simulated testbed",
 }
 

@@ -1,0 +1,300 @@
+"""Fit effects to the whitened residual: a scan of what shapes them, then damped Gauss–Newton."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+
+from usmbench.diagnose.problem import Problem
+from usmbench.model.effects.base import Effect, Parameter
+from usmbench.model.extended import Applied
+
+Array = NDArray[np.float64]
+
+_ZOOM_ROUNDS = 3
+_ZOOM_POINTS = 9
+_STEPS = 12
+_TOLERANCE = 1e-3
+_STEP_SHARE = 0.05  # of the typical size, for derivatives
+_EDGE_95 = 3.84  # 95 % of chi-squared with one degree of freedom
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """Effects at their best values.
+
+    Parameters
+    ----------
+    effects
+        The effects with their values.
+    statistic
+        Drop of the deviance against no effect.
+    roughness
+        Total variation of the normalised effect over the scan; see `p_value`.
+    """
+
+    effects: tuple[Applied, ...]
+    statistic: float
+    roughness: float
+
+    @property
+    def n_parameters(self) -> int:
+        """Number of fitted parameters."""
+        return sum(len(a.effect.parameters) for a in self.effects)
+
+    @property
+    def free(self) -> int:
+        """Degrees of freedom of the statistic at one point of the scan."""
+        sized = [p for a in self.effects for p in a.effect.parameters if not p.scanned]
+        return max(len(sized), 1)
+
+    @property
+    def p_value(self) -> float:
+        """Probability of such a statistic where nothing is wrong, for this effect alone.
+
+        For a scanned parameter, Davies' bound on the supremum of a chi process (1987,
+        doi:10.1093/biomet/74.1.33): the tail at one point, plus the variation times
+        ``exp(−u/2)/π``.
+        """
+        u = max(self.statistic, 0.0)
+        tail = float(chi2.sf(u, self.free)) + self.roughness * math.exp(-0.5 * u) / math.pi
+        return min(tail, 1.0)
+
+
+def fit_effect(problem: Problem, effect: Effect, given: Sequence[Applied] = ()) -> Fit:
+    """Fit one effect, beside others that are held where they are.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    effect
+        The effect.
+    given
+        Effects that act already; the statistic counts from them.
+    """
+    search = _Search(problem, effect, tuple(given))
+    scanned = [p for p in effect.parameters if p.scanned]
+    sized = [p for p in effect.parameters if not p.scanned]
+    if not scanned:
+        values, drop = search.sized_best({}, sized) if sized else search.whole({})
+        roughness = 0.0
+    else:
+        values, drop, roughness = search.scan(scanned[0], sized)
+    return Fit((*given, Applied(effect, values)), drop, roughness)
+
+
+def refine(problem: Problem, fit: Fit, base: float | None = None) -> Fit:
+    """Improve all values of a fit together.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    fit
+        Where to start.
+    base
+        Deviance from which the statistic counts; None for that without effects.
+    """
+    start = problem.deviance if base is None else base
+    joint = _Joint(problem, [a.effect for a in fit.effects])
+    theta = joint.vector(fit.effects)
+    here = joint.left(theta)
+    dev, damping = float(here @ here), 1e-3
+    for _ in range(_STEPS if theta.size else 0):
+        jacobian = joint.jacobian(theta, here)
+        normal, slope = jacobian.T @ jacobian, jacobian.T @ here
+        scale = np.diag(np.maximum(np.diag(normal), 1e-12))
+        moved = joint.clipped(theta - np.linalg.solve(normal + damping * scale, slope))
+        there = joint.left(moved)
+        new = float(there @ there)
+        if new >= dev:
+            damping *= 10.0
+            if damping > 1e4:
+                break
+            continue
+        gained, dev, theta, here = dev - new, new, moved, there
+        damping = max(damping / 10.0, 1e-9)
+        if gained < _TOLERANCE:
+            break
+    return Fit(joint.applied(theta), start - dev, fit.roughness)
+
+
+def intervals(problem: Problem, fit: Fit) -> list[dict[str, tuple[float, float]]]:
+    """Return the 95 % interval of every parameter, by effect.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    fit
+        A refined fit.
+    """
+    joint = _Joint(problem, [a.effect for a in fit.effects])
+    theta = joint.vector(fit.effects)
+    if theta.size == 0:
+        return [{} for _ in fit.effects]
+    here = joint.left(theta)
+    jacobian = joint.jacobian(theta, here)
+    covariance = np.linalg.pinv(jacobian.T @ jacobian)
+    half = np.sqrt(_EDGE_95 * np.maximum(np.diag(covariance), 0.0))
+    low, high = joint.clipped(theta - half), joint.clipped(theta + half)
+    for k in range(theta.size):
+        if joint.parameters[k].scanned or not half[k] > 0.0:
+            low[k], high[k] = (joint.edge(theta, k, side, float(here @ here)) for side in (-1, 1))
+    found, at = [], 0
+    for applied in fit.effects:
+        own = applied.effect.parameters
+        found.append({p.name: (float(low[at + i]), float(high[at + i])) for i, p in enumerate(own)})
+        at += len(own)
+    return found
+
+
+class _Search:
+    """One effect beside fixed ones."""
+
+    def __init__(self, problem: Problem, effect: Effect, given: tuple[Applied, ...]):
+        self._problem, self._effect, self._given = problem, effect, given
+        self._base = problem.change_rad_s(given) if given else None
+        self._left = problem.residual
+        if self._base is not None:
+            self._left = problem.residual - problem.carried(self._base)
+        self._dev = float(self._left @ self._left)
+
+    def column(self, values: dict[str, float]) -> Array:
+        """Return the carried change that the effect makes."""
+        change = self._problem.change_rad_s((*self._given, Applied(self._effect, values)))
+        if self._base is not None:
+            change = [c - b for c, b in zip(change, self._base, strict=True)]
+        return self._problem.carried(change)
+
+    def whole(self, values: dict[str, float]) -> tuple[dict[str, float], float]:
+        """Return the drop of the deviance where the effect has no size of its own."""
+        column = self.column(values)
+        return values, float(2.0 * column @ self._left - column @ column)
+
+    def sized_best(
+        self, shape: dict[str, float], sized: Sequence[Parameter]
+    ) -> tuple[dict[str, float], float]:
+        """Return the best sizes at fixed shape, to first order, and the drop they bring."""
+        columns = []
+        for p in sized:
+            values = {**shape, **{q.name: q.null for q in sized}, p.name: p.null + p.typical}
+            columns.append(self.column(values) / p.typical)
+        matrix = np.column_stack(columns)
+        normal = matrix.T @ matrix
+        sizes = np.linalg.lstsq(
+            normal + 1e-12 * np.trace(normal) * np.eye(len(sized)),
+            matrix.T @ self._left,
+            rcond=None,
+        )[0]
+        values = dict(shape)
+        for p, size in zip(sized, sizes, strict=True):
+            values[p.name] = float(np.clip(p.null + size, p.low, p.high))
+        kept = np.array([values[p.name] - p.null for p in sized])
+        drop = float(2.0 * kept @ (matrix.T @ self._left) - kept @ normal @ kept)
+        self._unit = matrix[:, 0]
+        return values, drop
+
+    def _at(
+        self, parameter: Parameter, value: float, sized: Sequence[Parameter]
+    ) -> tuple[dict[str, float], float, Array]:
+        shape = {parameter.name: float(np.clip(value, parameter.low, parameter.high))}
+        if sized:
+            values, drop = self.sized_best(shape, sized)
+            return values, drop, self._unit
+        column = self.column(shape)
+        return shape, float(2.0 * column @ self._left - column @ column), column
+
+    def scan(
+        self, parameter: Parameter, sized: Sequence[Parameter]
+    ) -> tuple[dict[str, float], float, float]:
+        """Try a grid of shapes, then ever finer ones around the best."""
+        grid = self._effect.grid([s.context for s in self._problem.stretches])[parameter.name]
+        tried = []
+        turned, before = 0.0, None
+        for value in grid:
+            values, drop, column = self._at(parameter, float(value), sized)
+            tried.append((drop, float(value), values))
+            size = float(np.linalg.norm(column))
+            if size > 1e-9:
+                unit = column / size
+                if before is not None:
+                    turned += math.acos(float(np.clip(abs(unit @ before), 0.0, 1.0)))
+                before = unit
+        best = max(tried, key=lambda t: t[0])
+        near = np.asarray(grid)
+        for _ in range(_ZOOM_ROUNDS):
+            k = int(np.argmin(np.abs(near - best[1])))
+            low, high = near[max(k - 1, 0)], near[min(k + 1, near.size - 1)]
+            near = np.linspace(low, high, _ZOOM_POINTS)
+            for value in near:
+                values, drop, _ = self._at(parameter, float(value), sized)
+                if drop > best[0]:
+                    best = (drop, float(value), values)
+        return best[2], best[0], turned
+
+
+class _Joint:
+    """All parameters of several effects as one vector."""
+
+    def __init__(self, problem: Problem, effects: Sequence[Effect]):
+        self._problem, self._effects = problem, effects
+        self.parameters = [p for e in effects for p in e.parameters]
+
+    def vector(self, applied: Sequence[Applied]) -> Array:
+        return np.array([a.values[p.name] for a in applied for p in a.effect.parameters])
+
+    def applied(self, theta: Array) -> tuple[Applied, ...]:
+        found, at = [], 0
+        for effect in self._effects:
+            own = {p.name: float(theta[at + i]) for i, p in enumerate(effect.parameters)}
+            found.append(Applied(effect, own))
+            at += len(own)
+        return tuple(found)
+
+    def clipped(self, theta: Array) -> Array:
+        low = np.array([p.low for p in self.parameters])
+        high = np.array([p.high for p in self.parameters])
+        return np.asarray(np.clip(theta, low, high), dtype=np.float64)
+
+    def left(self, theta: Array) -> Array:
+        change = self._problem.change_rad_s(self.applied(theta))
+        return self._problem.residual - self._problem.carried(change)
+
+    def jacobian(self, theta: Array, here: Array) -> Array:
+        columns = []
+        for k, p in enumerate(self.parameters):
+            step = _STEP_SHARE * p.typical
+            if theta[k] + step > p.high:
+                step = -step
+            moved = theta.copy()
+            moved[k] += step
+            columns.append((self.left(moved) - here) / step)
+        return np.column_stack(columns)
+
+    def edge(self, theta: Array, k: int, side: int, dev: float) -> float:
+        """Where the deviance has risen by 3.84 on one side, the others held."""
+        p = self.parameters[k]
+        bound = p.low if side < 0 else p.high
+
+        def rise(value: float) -> float:
+            moved = theta.copy()
+            moved[k] = value
+            left = self.left(moved)
+            return float(left @ left) - dev
+
+        step = 0.02 * p.typical
+        inside = outside = float(theta[k])
+        for _ in range(24):
+            outside = float(np.clip(theta[k] + side * step, p.low, p.high))
+            if outside == bound or rise(outside) > _EDGE_95:
+                break
+            inside, step = outside, 1.7 * step
+        for _ in range(6):
+            middle = 0.5 * (inside + outside)
+            inside, outside = (inside, middle) if rise(middle) > _EDGE_95 else (middle, outside)
+        return outside

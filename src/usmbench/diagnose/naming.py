@@ -1,0 +1,160 @@
+"""Which causes to name: the library weighed against the whitened residual."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from scipy.stats import chi2
+
+from usmbench.diagnose.fitting import Fit, fit_effect, refine
+from usmbench.diagnose.problem import Basis, Problem
+from usmbench.model.effects.base import Effect
+
+SIGNIFICANT = 0.01  # family-wise; with the omnibus test beside it, false alarms stay below 5 %
+_REFINED = 8
+_TELLING = 9.2  # deviance between two causes that data can tell: 99 % of chi-squared with two
+_SIMILAR = 0.02  # share of the evidence within which the form of an effect decides, not its name
+_SECOND_SHARE = 0.03
+_SECOND_LEAST = 20.0
+_LEFT_EXPLAINED = 0.08
+_LEFT_PARTLY = 0.4
+
+
+@dataclass(frozen=True, slots=True)
+class Ranked:
+    """A fit and what it is worth.
+
+    Parameters
+    ----------
+    effect
+        The effect that was added last.
+    fit
+        The fit, all of its effects together.
+    statistic
+        Drop of the deviance that the last effect brings, over the noise's spread.
+    p_value
+        Family-wise probability of it where nothing is wrong.
+    score
+        Statistic less the price of its parameters.
+    """
+
+    effect: Effect
+    fit: Fit
+    statistic: float
+    p_value: float
+    score: float
+
+
+def rank(
+    problem: Problem, effects: Sequence[Effect], spread: float, given: Fit | None = None
+) -> list[Ranked]:
+    """Weigh every effect, the best first.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    effects
+        Testable effects that are not sporadic.
+    spread
+        Standard deviation of the whitened noise, at least 1.
+    given
+        Effects already named; None for none.
+    """
+    held = () if given is None else given.effects
+    gained = 0.0 if given is None else given.statistic
+    fits = sorted((fit_effect(problem, e, held) for e in effects), key=lambda f: -f.statistic)
+    refined = []
+    for fit in fits[:_REFINED]:
+        better = refine(problem, fit)
+        refined.append(Fit(better.effects, better.statistic - gained, fit.roughness))
+    price = math.log(max(problem.n_rows, 2))
+    found = []
+    for fit in (*refined, *fits[_REFINED:]):
+        effect = fit.effects[-1].effect
+        statistic = max(fit.statistic, 0.0) / spread**2
+        alone = Fit(fit.effects[-1:], statistic, fit.roughness)
+        p_value = min(1.0, alone.p_value * len(effects))
+        n_own = max(len(effect.parameters), 1)
+        found.append(Ranked(effect, fit, statistic, p_value, statistic - n_own * price))
+    return sorted(found, key=lambda r: -r.score)
+
+
+def alternatives(ranked: Sequence[Ranked]) -> tuple[str, ...]:
+    """Return the other causes that explain about as much as the best.
+
+    Parameters
+    ----------
+    ranked
+        The candidates, best first.
+    """
+    best = ranked[0]
+    near = max(_TELLING, _SIMILAR * best.statistic)
+    names = [r.effect.name for r in ranked[1:] if best.score - r.score < near]
+    return tuple(dict.fromkeys(n for n in names if n != best.effect.name))
+
+
+def earns_its_place(second: Ranked, first: Ranked) -> bool:
+    """Return whether a second cause is worth naming beside the first.
+
+    Parameters
+    ----------
+    second, first
+        The candidates.
+    """
+    least = max(_SECOND_LEAST, _SECOND_SHARE * first.statistic)
+    return second.p_value < SIGNIFICANT and second.score > 0.0 and second.statistic > least
+
+
+@dataclass(frozen=True, slots=True)
+class Whole:
+    """The test over all views of what a residual holds.
+
+    Parameters
+    ----------
+    excess
+        Square of the residual's part in the views, beyond what noise leaves there.
+    p_value
+        Probability of as much where nothing is wrong.
+    """
+
+    excess: float
+    p_value: float
+
+
+def whole_test(problem: Problem, basis: Basis, effects: Fit | None, spread: float) -> Whole:
+    """Test a residual against all views together.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    basis
+        Directions to look in.
+    effects
+        The effects to take out first; None for none.
+    spread
+        Standard deviation of the whitened noise.
+    """
+    left = problem.residual
+    if effects is not None:
+        left = left - problem.carried(problem.change_rad_s(effects.effects))
+    rank_ = basis.vectors.shape[1]
+    square = basis.square(left) / spread**2
+    return Whole(max(square - rank_, 0.0), float(chi2.sf(square, rank_)))
+
+
+def verdict(before: Whole, after: Whole, statistic: float) -> str:
+    """Return the verdict on named causes.
+
+    Parameters
+    ----------
+    before, after
+        The test over all views without and with the causes.
+    statistic
+        Drop of the deviance that they bring.
+    """
+    share = after.excess / max(before.excess, statistic, 1e-12)
+    if after.p_value > 1e-3 or share < _LEFT_EXPLAINED:
+        return "explained"
+    return "partly_explained" if share < _LEFT_PARTLY else "unexplained"

@@ -1,0 +1,176 @@
+"""The whitened problem: how far a simulation is from the measurement, given all that is known.
+
+The residual's covariance is ``C = noise + Σ τ² u uᵀ``, where each column u is something that may
+differ without being news: the curve's own error, the steps' mean jitter, gain and dead zone of the
+run. With the noise whitened to 1, ``eᵀ C⁻¹ e = min_β |e − Uβ|² + |β|²`` (U with its deviations τ
+in it), so a residual is carried as the vector ``[e − Uβ̂; β̂]``: its square is the deviance.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
+from scipy.signal import lfilter
+
+from usmbench.diagnose.knowledge import Knowledge, widening
+from usmbench.diagnose.noise import LAGS, Noise
+from usmbench.diagnose.stretches import Mask, Stretch
+from usmbench.model.extended import Applied, extended_run
+from usmbench.model.linear import from_rest
+
+Array = NDArray[np.float64]
+
+
+class Problem:
+    """Stretches, their noise and what is known, ready to weigh residuals.
+
+    Parameters
+    ----------
+    stretches
+        The runs.
+    known
+        What is known beforehand.
+    noise
+        The noise in force.
+    masks
+        Rows of each stretch that count.
+    own
+        The model's own effects.
+    """
+
+    def __init__(
+        self,
+        stretches: Sequence[Stretch],
+        known: Knowledge,
+        noise: Noise,
+        masks: Sequence[Mask],
+        own: Sequence[Applied] = (),
+    ):
+        self.stretches = tuple(stretches)
+        self.known, self.noise = known, noise
+        self.masks = tuple(masks)
+        self.own = tuple(own)
+        self._filter = np.r_[1.0, -noise.ar] / noise.innovation
+        self._level = [noise.level_rad_s(s) for s in self.stretches]
+        self._valid = [self._whole(mask) for mask in self.masks]
+        columns = [self._white_parts(c) for c in self._background()]
+        self._columns = np.column_stack(columns) if columns else np.zeros((self.n_rows, 0))
+        gram = self._columns.T @ self._columns + np.eye(self._columns.shape[1])
+        self._factor = cho_factor(gram) if columns else None
+        expected = [known.expected_rad_s(s, noise) for s in self.stretches]
+        self.residual_rad_s = [
+            s.residual_rad_s - e for s, e in zip(self.stretches, expected, strict=True)
+        ]
+        self.residual = self.carried(self.residual_rad_s)
+        self.deviance = float(self.residual @ self.residual)
+
+    @property
+    def n_rows(self) -> int:
+        """Rows that count."""
+        return sum(int(np.count_nonzero(valid)) for valid in self._valid)
+
+    @property
+    def valid(self) -> tuple[Mask, ...]:
+        """Rows of each stretch that count, and whose past counts."""
+        return tuple(self._valid)
+
+    def with_masks(self, masks: Sequence[Mask]) -> "Problem":
+        """Return the same problem on other rows.
+
+        Parameters
+        ----------
+        masks
+            Rows of each stretch that count.
+        """
+        return Problem(self.stretches, self.known, self.noise, masks, self.own)
+
+    def change_rad_s(self, effects: Sequence[Applied]) -> list[Array]:
+        """Return what effects change in the free run, by stretch.
+
+        Parameters
+        ----------
+        effects
+            The effects, beyond the model's own.
+        """
+        both = (*self.own, *effects)
+        return [
+            extended_run(both, s.context).speed_rad_s - s.simulated_rad_s for s in self.stretches
+        ]
+
+    def carried(self, signal: Sequence[Array]) -> Array:
+        """Return a residual as the vector whose square is its deviance.
+
+        Parameters
+        ----------
+        signal
+            The residual of each stretch, in rad/s.
+        """
+        white = self._white_parts(signal)
+        if self._factor is None:
+            return white
+        beta = cho_solve(self._factor, self._columns.T @ white)
+        carried: Array = np.concatenate([white - self._columns @ beta, beta])
+        return carried
+
+    def _white_parts(self, signal: Sequence[Array]) -> Array:
+        """Whiten each stretch and keep the rows that count."""
+        parts = []
+        for values, level, valid in zip(signal, self._level, self._valid, strict=True):
+            parts.append(lfilter(self._filter, [1.0], values / level)[valid])
+        return np.concatenate(parts)
+
+    def _whole(self, mask: Mask) -> Mask:
+        """Rows that count, and whose predecessors in the noise's memory count."""
+        whole = mask.copy()
+        for k in range(1, self.noise.ar.size + 1):
+            whole[k:] &= mask[:-k]
+            whole[:k] = False
+        return whole
+
+    def _background(self) -> Iterator[list[Array]]:
+        """Yield what may differ without being news, scaled to one standard deviation."""
+        known, nodes = self.known, self.known.nodes_deg
+        if known.curve_rad_s > 0.0:
+            for k in range(nodes.size):
+                hat = np.eye(nodes.size)[k] * known.curve_rad_s
+                yield [
+                    self._settle(s, np.interp(s.context.phase_deg, nodes, hat))
+                    for s in self.stretches
+                ]
+        for k in range(LAGS):
+            yield [known.lag[k] * s.step_rad_s * (s.lag == k) for s in self.stretches]
+        for run in sorted({s.run for s in self.stretches}):
+            yield [known.gain * s.simulated_rad_s * (s.run == run) for s in self.stretches]
+            yield [known.dead_zone_deg * widening(s) * (s.run == run) for s in self.stretches]
+
+    @staticmethod
+    def _settle(stretch: Stretch, signal: Array) -> Array:
+        """Run the linear part over a change of the settled speed."""
+        linear = stretch.context.linear
+        return from_rest(linear.b, linear.a, linear.dead_time_windows, signal)
+
+
+@dataclass(frozen=True, slots=True)
+class Basis:
+    """An orthonormal basis of carried columns.
+
+    Parameters
+    ----------
+    vectors
+        Shape (M, rank).
+    """
+
+    vectors: Array
+
+    def square(self, carried: Array) -> float:
+        """Return the square of a carried residual's projection.
+
+        Parameters
+        ----------
+        carried
+            Shape (M,).
+        """
+        part = self.vectors.T @ carried
+        return float(part @ part)

@@ -1,0 +1,256 @@
+"""Runs cut into unbroken stretches, each with what the effects and the noise need to know."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.errors import InputError
+from usmbench.model.effects.base import Context
+from usmbench.model.extended import Applied, extended_run
+from usmbench.model.hammerstein import HammersteinModel, OperatingPoint
+from usmbench.model.linear import memory_windows
+from usmbench.model.operating_points import point_weights
+from usmbench.model.replay import middle_angle_rad
+from usmbench.runs.record import Record
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+_GAP = 1.5  # a step of the clock beyond so many windows is a break in the record
+_RATE_TOLERANCE = 1e-3
+_FEWEST_WINDOWS = 60
+_NODES = 16_385
+_LONGEST_START = 50
+
+
+@dataclass(frozen=True, slots=True)
+class TabledCurve:
+    """A static curve row by row, by linear interpolation in a fine table.
+
+    Parameters
+    ----------
+    phase_deg
+        Nodes, shape (K,).
+    speed_rad_s
+        Speeds at the nodes, one array a point.
+    weights
+        Weight of each point on each row, shape (N,) each; scalar 1 for a single point.
+    """
+
+    phase_deg: Array
+    speed_rad_s: tuple[Array, ...]
+    weights: tuple[Array, ...]
+
+    def __call__(self, phase_deg: Array) -> Array:
+        """Return the settled speed of each row.
+
+        Parameters
+        ----------
+        phase_deg
+            Phase of each row, shape (N,).
+        """
+        parts = [
+            w * np.interp(phase_deg, self.phase_deg, s)
+            for w, s in zip(self.weights, self.speed_rad_s, strict=True)
+        ]
+        total: Array = sum(parts[1:], parts[0])
+        return total
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """Consecutive windows of one run; columns have shape (N,).
+
+    Parameters
+    ----------
+    run
+        Index of the run.
+    name
+        Its name.
+    context
+        What effects may know.
+    speed_rad_s
+        Measured speed.
+    simulated_rad_s
+        Free run of the model as given.
+    settled_rad_s
+        Its settled speed.
+    lag
+        Windows since the phase last changed.
+    step_rad_s
+        Change of the settled speed at that moment.
+    direction
+        +1 where φ last rose, -1 where it last fell, 0 before it moved.
+    use
+        Rows to judge: inside the model's range and past the start.
+    """
+
+    run: int
+    name: str
+    context: Context
+    speed_rad_s: Array
+    simulated_rad_s: Array
+    settled_rad_s: Array
+    lag: NDArray[np.int64]
+    step_rad_s: Array
+    direction: Array
+    use: Mask
+
+    @property
+    def residual_rad_s(self) -> Array:
+        """Measured less simulated speed."""
+        return self.speed_rad_s - self.simulated_rad_s
+
+
+def cut_runs(
+    records: Sequence[Record], model: HammersteinModel, effects: Sequence[Applied]
+) -> tuple[list[Stretch], list[str]]:
+    """Cut runs into stretches.
+
+    Parameters
+    ----------
+    records
+        The runs.
+    model
+        The model.
+    effects
+        The model's own effects.
+
+    Returns
+    -------
+    stretches, warnings
+        In the order of runs and time, and what the user ought to know.
+
+    Raises
+    ------
+    InputError
+        Runs that do not belong to the model, or too short to say anything.
+    """
+    tables = tuple(_table(point) for point in model.points)
+    stretches: list[Stretch] = []
+    warnings: list[str] = []
+    _check_motors(records)
+    for run, record in enumerate(records):
+        _check(record, model)
+        angle_rad = middle_angle_rad(record)
+        weights, outside = point_weights(
+            model.points, record.t_s.size, record.frequency_hz, record.torque_nm
+        )
+        outside |= _beyond(model, weights, record.phase_deg)
+        _check_outside(record, outside, warnings)
+        window_s = float(np.median(record.window_s))
+        jumps = np.flatnonzero(np.diff(record.t_s) > _GAP * window_s) + 1
+        for rows in np.split(np.arange(record.t_s.size), jumps):
+            context = Context(
+                record.t_s[rows],
+                window_s,
+                record.phase_deg[rows],
+                TabledCurve(
+                    tables[0][0], tuple(t[1] for t in tables), tuple(w[rows] for w in weights)
+                ),
+                model.linear,
+                angle_rad[rows],
+                None if record.temperature_c is None else record.temperature_c[rows],
+            )
+            stretches.append(
+                _stretch(
+                    run, record.name, context, record.speed_rad_s[rows], effects, outside[rows]
+                )
+            )
+    if sum(int(np.count_nonzero(s.use)) for s in stretches) < _FEWEST_WINDOWS:
+        raise InputError(
+            f"{records[0].name}: fewer than {_FEWEST_WINDOWS} usable windows say nothing about "
+            "causes; measure for longer"
+        )
+    return stretches, warnings
+
+
+def _stretch(
+    run: int,
+    name: str,
+    context: Context,
+    speed_rad_s: Array,
+    effects: Sequence[Applied],
+    outside: Mask,
+) -> Stretch:
+    """Simulate a stretch and work out where each row stands after the last command."""
+    simulated = extended_run(effects, context)
+    move_deg = np.diff(context.phase_deg, prepend=context.phase_deg[:1])
+    rows = np.arange(context.n)
+    moved = move_deg != 0.0
+    last = np.maximum.accumulate(np.where(moved, rows, 0))
+    jump_rad_s = np.diff(simulated.settled_rad_s, prepend=simulated.settled_rad_s[:1])
+    use = ~outside & (rows >= min(memory_windows(context.linear) + 3, _LONGEST_START))
+    return Stretch(
+        run,
+        name,
+        context,
+        speed_rad_s,
+        simulated.speed_rad_s,
+        simulated.settled_rad_s,
+        rows - last,
+        jump_rad_s[last],
+        np.sign(move_deg)[last],
+        use,
+    )
+
+
+def _table(point: OperatingPoint) -> tuple[Array, Array]:
+    """Nodes over all phases, and the point's speeds there."""
+    nodes_deg = np.linspace(-200.0, 200.0, _NODES)
+    return nodes_deg, point.curve.speed_rad_s(nodes_deg)
+
+
+def _beyond(model: HammersteinModel, weights: Sequence[Array], phase_deg: Array) -> Mask:
+    """Rows whose phase lies beyond the range of a point that counts there."""
+    beyond = np.zeros(phase_deg.size, dtype=np.bool_)
+    for point, weight in zip(model.points, weights, strict=True):
+        low_deg, high_deg = point.phase_range_deg
+        beyond |= (weight != 0.0) & ((phase_deg < low_deg) | (phase_deg > high_deg))
+    return beyond
+
+
+def _check(record: Record, model: HammersteinModel) -> None:
+    """Refuse numbers that are none, and windows of another length."""
+    for column in ("t_s", "phase_deg", "speed_rad_s"):
+        values = getattr(record, column)
+        if not np.all(np.isfinite(values)):
+            row = int(np.argmin(np.isfinite(values)))
+            raise InputError(f"{record.name}: {column} of row {row} is no number; mend the row")
+    if record.t_s.size < _FEWEST_WINDOWS:
+        raise InputError(
+            f"{record.name}: {record.t_s.size} windows say nothing about causes; measure at least "
+            f"{_FEWEST_WINDOWS}"
+        )
+    window_s, model_s = float(np.median(record.window_s)), model.linear.window_s
+    if model_s is not None and abs(window_s / model_s - 1.0) > _RATE_TOLERANCE:
+        raise InputError(
+            f"{record.name} has windows of {1e3 * window_s:g} ms, the model was identified on "
+            f"{1e3 * model_s:g} ms; identify it on a run with the same windows"
+        )
+
+
+def _check_motors(records: Sequence[Record]) -> None:
+    """Refuse runs of different motors."""
+    motors = {str(r.meta["motor"]): r.name for r in records if r.meta.get("motor") is not None}
+    if len(motors) > 1:
+        said = "; ".join(f"{name} is of {motor}" for motor, name in motors.items())
+        raise InputError(f"these runs do not belong together: {said}; diagnose one motor at a time")
+
+
+def _check_outside(record: Record, outside: Mask, warnings: list[str]) -> None:
+    """Refuse a run mostly outside the model's range; warn of a few rows."""
+    share = float(np.mean(outside))
+    if share > 0.5:
+        raise InputError(
+            f"{record.name}: {100.0 * share:.0f} % of the rows lie outside the phases, frequencies "
+            "or torques that the model was identified on; diagnose a run within them, or identify "
+            "a model on a run like this one"
+        )
+    if share > 0.0:
+        warnings.append(
+            f"{record.name}: {np.count_nonzero(outside)} rows lie outside the model's range and "
+            "are not judged"
+        )
