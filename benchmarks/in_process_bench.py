@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 from hil_sim.faults import Fault
 from hil_sim.in_process import InProcessBench
-from hil_sim.plant import MotorPlant
-from hil_sim.testbed import Testbed
+from hil_sim.testbed import FaultablePlant, Testbed
 from usmbench.cli.bench_session import Bench
 from usmbench.instruments.generator import SignalGenerator
 from usmbench.settings.bench import BenchSettings
@@ -60,7 +59,7 @@ def in_process_bench(
     *,
     settings: BenchSettings | None = None,
     faults: Iterable[Fault] = (),
-    plant: MotorPlant | None = None,
+    plant: FaultablePlant | None = None,
 ) -> InProcess:
     """Return the simulated testbed in this process, for the driver and the sweep's own loop."""
     settings = settings or BenchSettings(name="simulated in process")
