@@ -99,7 +99,7 @@ def _tangent_foot_deg(size: Array, phase_deg: Array, slow: float, fast: float) -
     if size.max() <= fast:
         return None
     slow_deg, fast_deg = (_first_crossing_deg(size, phase_deg, level) for level in (slow, fast))
-    return slow_deg - slow * (fast_deg - slow_deg) / (fast - slow)
+    return float(slow_deg - slow * (fast_deg - slow_deg) / (fast - slow))
 
 
 def _first_crossing_deg(size: Array, phase_deg: Array, level: float) -> float:
