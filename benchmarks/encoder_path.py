@@ -96,7 +96,6 @@ class Setup:
             sample_rate_hz=self.rate_hz,
             samples_per_average=round(self.rate_hz * BLOCK_S),
             no_data_timeout_s=5.0,
-            read_ahead_blocks=0 if self.lock_step else 200,
         )
 
     def __str__(self) -> str:

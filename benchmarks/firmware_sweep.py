@@ -44,7 +44,6 @@ def sweep(board: str, plan: str, folder: Path) -> list[dict[str, str]]:
             "generator": {"port": testbed.port, "reply_timeout_s": 2.0},
             "daq": {
                 "address": testbed.daq_address,
-                "read_ahead_blocks": 0,
                 "no_data_timeout_s": 10.0,
             },
         }

@@ -30,14 +30,8 @@ def sweep_once(plan: Plan) -> tuple[float, float, int]:
     with start_testbed(["--seed", "1"]) as testbed, tempfile.TemporaryDirectory() as parent:
         settings = simulated_settings(BenchSettings(), testbed.port, testbed.daq_address)
         usual = DaqSettings()
-        settings = replace(
-            settings,
-            daq=replace(
-                settings.daq,
-                read_ahead_blocks=usual.read_ahead_blocks,
-                no_data_timeout_s=usual.no_data_timeout_s,
-            ),
-        )
+        daq = replace(settings.daq, no_data_timeout_s=usual.no_data_timeout_s)
+        settings = replace(settings, daq=daq)
         with open_bench(settings) as bench:
             begun_s = time.perf_counter()
             sweep_new(bench, plan, Path(parent) / "run")

@@ -7,13 +7,16 @@ it passes up to the port's time-out, and its samples wait for the source.
 from collections.abc import Iterable
 from typing import Final, Self
 
+import numpy as np
+from numpy.typing import NDArray
+
 from hil_sim.counter import SENSOR_DEGREES_C_PER_VOLT, Counter, Family, card_counter, sensor_volts
 from hil_sim.faults import Fault, FaultKind, FaultSchedule
 from hil_sim.in_process_port import InProcessPort, SampleTrain
 from hil_sim.plant import MotorPlant
 from hil_sim.testbed import FaultablePlant, Testbed
 from usmbench.errors import DaqError, NoDataError
-from usmbench.instruments.samples import SampleBlock
+from usmbench.instruments.samples import NO_INDEX_YET, SampleBlock, blocks_per_index_read
 
 OVERFLOW_CODE: Final = -200279
 """NI-DAQmx: the reader did not keep up with the card."""
@@ -52,6 +55,8 @@ class InProcessSource:
         self._no_data_timeout_s = no_data_timeout_s
         self._temperature = temperature
         self._read = 0
+        self._index_blocks = blocks_per_index_read(samples_per_block, train.sample_rate_hz)
+        self._pulses: list[NDArray[np.int64]] = []
 
     def __enter__(self) -> Self:
         return self
@@ -95,9 +100,18 @@ class InProcessSource:
         return SampleBlock(
             first_sample=first_sample,
             counts=self._counter.values(samples.position),
-            index_counts=samples.index_pulses,
+            index_counts=self._read_index(samples.index_pulses),
             temperature_c=_read_sensor(samples.temperature_c) if self._temperature else None,
         )
+
+    def _read_index(self, pulses: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return all index samples since the last read where one is due, none where not."""
+        self._pulses.append(pulses)
+        if len(self._pulses) < self._index_blocks:
+            return NO_INDEX_YET
+        whole = np.concatenate(self._pulses)
+        self._pulses.clear()
+        return whole
 
     def _raise_faults(self) -> None:
         faults, now_s = self._testbed.faults, self._testbed.time_s

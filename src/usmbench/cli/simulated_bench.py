@@ -158,7 +158,6 @@ def simulated_settings(base: BenchSettings, port: str, daq_address: str) -> Benc
     daq: DaqSettings = replace(
         base.daq,
         address=daq_address,
-        read_ahead_blocks=0,
         # Lock step moves on demand, so silence means that the process is gone or starved of CPU.
         no_data_timeout_s=REPLY_TIMEOUT_S,
     )

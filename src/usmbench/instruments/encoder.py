@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from usmbench.errors import DaqError
 from usmbench.instruments.edge_timing import EDGES_KEPT, fraction_passed
-from usmbench.instruments.index_check import IndexPass, IndexState, check_index
+from usmbench.instruments.index_watch import IndexWatch, watch_index
 from usmbench.instruments.samples import SampleBlock
 
 _NO_EDGES: NDArray[np.float64] = np.empty(0)
@@ -60,13 +60,8 @@ class EncoderState:
         shape (E,).
     edge_step
         +1 or -1: direction of those edges; 0 when there are none.
-    steady
-        +1 or -1: direction of every count since the last index pulse, 0 without counts, None when
-        they went both ways.
-    pulses
-        Last value of the index counter.
     index
-        Where the index was last.
+        What the index pulse has shown.
     """
 
     next_sample: int | None = None
@@ -75,9 +70,7 @@ class EncoderState:
     estimate: float = 0.5
     edge_samples: NDArray[np.float64] = field(default_factory=lambda: _NO_EDGES)
     edge_step: int = 0
-    steady: int | None = 0
-    pulses: int = 0
-    index: IndexState = field(default_factory=IndexState)
+    index: IndexWatch = field(default_factory=IndexWatch)
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +92,8 @@ class WindowMotion:
         Duration: N samples, one less in the first block, which has no sample before it.
     index_error_counts
         Counts too many (positive for positive speed) since the last pass of the index in the same
-        direction; None where no pass ended in this window that could be compared.
+        direction; None where this block brought no pass that could be compared. It comes with the
+        block that brings the index, up to `usmbench.instruments.samples.INDEX_PERIOD_S` late.
     """
 
     angle_rad: float
@@ -138,7 +132,7 @@ def decode(
     """
     first = state.next_sample is None
     if first:
-        state = _begin(block)
+        state = EncoderState(block.first_sample, int(block.counts[0]))
     elif state.next_sample != block.first_sample:
         raise DaqError(
             f"samples {state.next_sample} to {block.first_sample} of the counter are missing, "
@@ -157,7 +151,7 @@ def decode(
     begin = state.estimate
     if first and steps:
         begin = _backwards(times, steps, block.first_sample)
-    steady, pulses, index, error = _index(state, block, where, steps, geometry)
+    index, error = watch_index(state.index, block, (times, steps), geometry.counts_per_rev)
     duration_s = (n_samples - first) / geometry.sample_rate_hz
     rad_per_count = geometry.rad_per_count
     motion = WindowMotion(
@@ -175,17 +169,9 @@ def decode(
         estimate,
         edge_samples,
         edge_step,
-        steady,
-        pulses,
         index,
     )
     return following, motion
-
-
-def _begin(block: SampleBlock) -> EncoderState:
-    """Return the state at the run's first sample."""
-    pulses = 0 if block.index_counts is None else int(block.index_counts[0])
-    return EncoderState(block.first_sample, int(block.counts[0]), pulses=pulses)
 
 
 def _edges(
@@ -255,45 +241,3 @@ def _backwards(times: NDArray[np.float64], steps: list[int], first_sample: int) 
         n += 1
     fraction = fraction_passed(-times[:n][::-1], -first_sample)
     return 1.0 - fraction if step > 0 else fraction
-
-
-def _index(
-    state: EncoderState,
-    block: SampleBlock,
-    where: NDArray[np.intp],
-    steps: list[int],
-    geometry: EncoderGeometry,
-) -> tuple[int | None, int, IndexState, int | None]:
-    """Return the direction since the last pulse, the pulse count, the index state and error."""
-    pulses = state.pulses if block.index_counts is None else int(block.index_counts[-1])
-    if block.index_counts is None or pulses == state.pulses:
-        return _direction(state.steady, steps), pulses, state.index, None
-    at = int(np.searchsorted(block.index_counts, pulses))
-    upto = int(np.searchsorted(where, at, side="right"))
-    steady = _direction(state.steady, steps[:upto])
-    step = steps[upto - 1] if upto else 0
-    direction = (step > 0) - (step < 0) or state.edge_step
-    after = _direction(0, steps[upto:])
-    if not direction:
-        return after, pulses, state.index, None
-    passed = IndexPass(
-        position=state.position + sum(steps[:upto]),
-        direction=direction,
-        pulses=pulses - state.pulses,
-        steady=steady == direction,
-        step=step,
-    )
-    index, error = check_index(state.index, passed, geometry.counts_per_rev)
-    return after, pulses, index, error
-
-
-def _direction(before: int | None, steps: list[int]) -> int | None:
-    """Return the one direction of the steps and of those before, 0 for none, None for both."""
-    if not steps or before is None:
-        return before
-    different = set(steps)
-    low, high = min(different), max(different)
-    if low < 0 < high:
-        return None
-    direction = 1 if high > 0 else -1
-    return direction if before in (0, direction) else None

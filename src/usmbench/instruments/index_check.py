@@ -134,12 +134,14 @@ def measure_counts_per_rev(blocks: Sequence[SampleBlock], counter_bits: int) -> 
     indices = [block.index_counts for block in blocks if block.index_counts is not None]
     if len(indices) < len(blocks) or not blocks:
         raise DaqError("no index pulses are counted; set daq.index_counter to where they are wired")
-    counts = np.concatenate([block.counts for block in blocks])
+    pulses = np.concatenate(indices)
+    # The last blocks may still wait for their index.
+    counts = np.concatenate([block.counts for block in blocks])[: len(pulses)]
     half = 1 << (counter_bits - 1)
     steps = ((np.diff(counts) + half) & (2 * half - 1)) - half
     position = np.append(0, np.cumsum(steps))
     travelled = np.append(0, np.cumsum(np.abs(steps)))
-    at = np.flatnonzero(np.diff(np.concatenate(indices)) == 1) + 1
+    at = np.flatnonzero(np.diff(pulses) == 1) + 1
     turns, way = np.diff(position[at]), np.diff(travelled[at])
     # Without a reversal in between, and not the two ends of the mark passed by turning on it.
     whole = np.abs(turns[(np.abs(turns) == way) & (way > 1)])

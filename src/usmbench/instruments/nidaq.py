@@ -8,7 +8,6 @@ from typing import Final, Self
 
 from usmbench.errors import DaqError, InputError, NoDataError
 from usmbench.instruments.deadline import run_within
-from usmbench.instruments.handover import BlockHandover
 from usmbench.instruments.nidaq_errors import opening_error, running_error, where
 from usmbench.instruments.nidaq_tasks import COUNTER_BITS, CardTasks
 from usmbench.instruments.samples import SampleBlock
@@ -24,7 +23,10 @@ logging.getLogger("nidaqmx").addHandler(logging.NullHandler())
 
 
 class NiSampleSource:
-    """Counter samples of an NI card, read in the every-N-samples callback.
+    """Counter samples of an NI card, read as the every-N-samples callback tells of them.
+
+    The callback only counts the blocks that are ready. They are read on the thread that wants them,
+    so that every error is raised there; the driver's buffer keeps what a busy computer is late for.
 
     With `sample_clock` "ai" all counters start on the same edge. Another terminal must start to
     tick after `start` has returned, else the index counter and the encoder's are apart by the
@@ -53,8 +55,8 @@ class NiSampleSource:
         lines: int = 500,
     ):
         self._settings = settings
-        self._handover = BlockHandover(settings.read_ahead_blocks)
-        self._reading = threading.Lock()
+        self._ready = threading.Semaphore(0)
+        self._failure: DaqError | None = None
         self._blocks_read = 0
         self._closed = False
         work = partial(self._open, temperature, lines)
@@ -99,22 +101,9 @@ class NiSampleSource:
             raise running_error(error, self._settings) from error
 
     def _on_samples(self, *_event: object) -> int:
-        """Read one block; NI-DAQmx swallows what a callback raises, so nothing leaves it."""
-        if self._handover.wait_for_demand():
-            with self._reading:
-                if not self._handover.stopped:
-                    self._read_block()
+        """Note that a block is ready."""
+        self._ready.release()
         return 0
-
-    def _read_block(self) -> None:
-        try:
-            counts, index_counts, temperature_c = self._tasks.read()
-        except Exception as error:  # noqa: BLE001 - raised on the main thread, by next_block
-            self._handover.fail(error)
-            return
-        first_sample = self._blocks_read * self.samples_per_block
-        self._blocks_read += 1
-        self._handover.put(SampleBlock(first_sample, counts, index_counts, temperature_c))
 
     def next_block(self) -> SampleBlock:
         """Return the next block, waiting for it.
@@ -128,14 +117,26 @@ class NiSampleSource:
         """
         if self._closed:
             raise DaqError(f"{where(self._settings)} was closed: open it again")
-        timeout_s = self._tasks.block_s + self._settings.no_data_timeout_s
+        if self._failure is not None:
+            raise self._failure
         try:
-            block = self._handover.take(timeout_s)
+            return self._read_block()
+        except DaqError as error:
+            self._failure = error
+            raise
         except Exception as error:
-            raise running_error(error, self._settings) from error
-        if block is None:
+            self._failure = running_error(error, self._settings)
+            raise self._failure from error
+
+    def _read_block(self) -> SampleBlock:
+        """Wait until a block is ready, and read it."""
+        timeout_s = self._tasks.block_s + self._settings.no_data_timeout_s
+        if not self._ready.acquire(timeout=timeout_s):
             raise self._silence(timeout_s)
-        return block
+        counts, index_counts, temperature_c = self._tasks.read()
+        first_sample = self._blocks_read * self.samples_per_block
+        self._blocks_read += 1
+        return SampleBlock(first_sample, counts, index_counts, temperature_c)
 
     def _silence(self, timeout_s: float) -> DaqError:
         """Say why no block came: the clock stands, or only the events are missing."""
@@ -174,16 +175,11 @@ class NiSampleSource:
         if self._closed:
             return
         self._closed = True
-        self._handover.stop()
-        for step in (self._stop, self._tasks.close):
+        for step in (self._tasks.stop, self._tasks.close):
             try:
                 run_within(CLOSE_TIMEOUT_S / 2, step)
             except Exception as error:  # noqa: BLE001 - the reason was told when it happened
                 _log.info("%s was not released in order: %s", where(self._settings), error)
-
-    def _stop(self) -> None:
-        with self._reading:  # a read under way would come after the stop, and fail
-            self._tasks.stop()
 
     def __enter__(self) -> Self:
         return self

@@ -19,7 +19,8 @@ from nidaqmx.stream_readers import AnalogSingleChannelReader, CounterReader
 from numpy.typing import NDArray
 
 from usmbench.errors import InputError
-from usmbench.instruments.nidaq_channel import connect
+from usmbench.instruments.nidaq_channel import DeadlineChannel
+from usmbench.instruments.samples import NO_INDEX_YET, blocks_per_index_read
 from usmbench.settings.bench import DaqSettings, TemperatureSettings
 
 BUFFER_S: Final = 10.0
@@ -56,12 +57,14 @@ class CardTasks:
         self._settings = settings
         self._temperature = temperature
         self._samples = settings.samples_per_average
+        self._index_blocks = blocks_per_index_read(self._samples, settings.sample_rate_hz)
+        self._blocks_read = 0
         self.block_s = self._samples / settings.sample_rate_hz
         self._read_timeout_s = self.block_s + settings.no_data_timeout_s
         self._tasks: list[Any] = []
         self._channel = None
         if settings.address is not None:
-            self._channel = connect(settings.address, self._read_timeout_s)
+            self._channel = DeadlineChannel(settings.address, self._read_timeout_s)
         with ExitStack() as stack:
             stack.callback(self.close)
             self._open(lines)
@@ -74,14 +77,16 @@ class CardTasks:
         # its first edge.
         self._encoder = self._encoder_task(lines)
         self._read_encoder = self._counter_reader(
-            self._encoder, floating=self._settings.family == "m_x"
+            self._encoder, self._samples, floating=self._settings.family == "m_x"
         )
         self._read_index = None
         if self._settings.index_counter is not None:
             index = self._task()
             index.ci_channels.add_ci_count_edges_chan(self._path(self._settings.index_counter))
             self._clock(index, self._clock_terminal())
-            self._read_index = self._counter_reader(index, floating=False)
+            self._read_index = self._counter_reader(
+                index, self._index_blocks * self._samples, floating=False
+            )
         self._read_volts = None
         if self._temperature is not None or self._settings.sample_clock == "ai":
             self._read_volts = self._open_analogue()
@@ -134,14 +139,16 @@ class CardTasks:
         self._clock(task, self._clock_terminal())
         return task
 
-    def _counter_reader(self, task: Any, *, floating: bool) -> Callable[[], NDArray[np.int64]]:
+    def _counter_reader(
+        self, task: Any, n_samples: int, *, floating: bool
+    ) -> Callable[[], NDArray[np.int64]]:
         reader = CounterReader(task.in_stream)
         reader.verify_array_shape = False  # it would ask the server about it at every read
-        values = np.empty(self._samples, np.float64 if floating else np.uint32)
+        values = np.empty(n_samples, np.float64 if floating else np.uint32)
         read = reader.read_many_sample_double if floating else reader.read_many_sample_uint32
 
         def read_counts() -> NDArray[np.int64]:
-            read(values, self._samples, self._read_timeout_s)
+            read(values, n_samples, self._read_timeout_s)
             return values.astype(np.int64)
 
         return read_counts
@@ -182,9 +189,16 @@ class CardTasks:
             task.start()
 
     def read(self) -> tuple[NDArray[np.int64], NDArray[np.int64] | None, float | None]:
-        """Return the counts, index counts and temperature (°C) of the next block."""
+        """Return the counts, index counts and temperature (°C) of the next block.
+
+        The index counts are as in `usmbench.instruments.samples.SampleBlock`.
+        """
         counts = self._read_encoder() & ((1 << COUNTER_BITS[self._settings.family]) - 1)
-        index_counts = None if self._read_index is None else self._read_index()
+        self._blocks_read += 1
+        index_counts = None
+        if self._read_index is not None:
+            whole = self._blocks_read % self._index_blocks == 0
+            index_counts = self._read_index() if whole else NO_INDEX_YET
         if self._read_volts is None or self._temperature is None:
             return counts, index_counts, None
         volts = self._read_volts()

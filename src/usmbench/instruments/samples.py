@@ -1,10 +1,28 @@
 """What the sweep asks of a data acquisition card: blocks of counter samples, in order."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+
+INDEX_PERIOD_S: Final = 0.1
+"""Time between two reads of the index: what they cost is then a small part of the encoder's."""
+NO_INDEX_YET: Final[NDArray[np.int64]] = np.empty(0, np.int64)
+"""Index samples of a block that comes between two reads of the index."""
+
+
+def blocks_per_index_read(samples_per_block: int, sample_rate_hz: float) -> int:
+    """Return how many blocks share one read of the index.
+
+    Parameters
+    ----------
+    samples_per_block
+        Samples in each block.
+    sample_rate_hz
+        Rate of the sample clock.
+    """
+    return max(1, round(INDEX_PERIOD_S * sample_rate_hz / samples_per_block))
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,7 +36,9 @@ class SampleBlock:
     counts
         Counter values as the card holds them, shape (N,); an N-bit counter wraps.
     index_counts
-        Number of index pulses seen up to each sample, shape (N,), or None without an index.
+        Number of index pulses seen up to each of the last M samples, shape (M,), or None without
+        an index. The index is read less often than the encoder: a block that brings it brings all
+        samples since it was last read, M ≥ N; the blocks between bring none, M = 0.
     temperature_c
         Mean temperature over the block, or None without a sensor.
     """

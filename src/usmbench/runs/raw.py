@@ -6,20 +6,24 @@ from typing import Any
 
 import h5py
 import numpy as np
+from numpy.typing import NDArray
 
 from usmbench.errors import BenchError
 from usmbench.instruments.samples import SampleBlock
 
 _CHUNK_SAMPLES = 65536
 _CHUNK_BLOCKS = 1024
+_NOT_READ = -1
 
 
 class RawWriter:
     """Appends blocks to raw.h5.
 
-    The file holds `counts` and, where the card has an index, `index_counts`, shape (samples,);
-    `first_sample` and `block_samples`, shape (blocks,). It is written in HDF5's single-writer mode:
-    after a kill it opens with ``swmr=True`` and holds everything up to the last `sync`.
+    The file holds `counts`, shape (samples,), `first_sample` and `block_samples`, shape (blocks,),
+    and, where the card has an index, `index_counts`: sample by sample beside `counts`, -1 where a
+    run ended before the index was read, and as much shorter at the end of the file. It is written
+    in HDF5's single-writer mode: after a kill it opens with ``swmr=True`` and holds everything up
+    to the last `sync`.
 
     Parameters
     ----------
@@ -53,6 +57,7 @@ class RawWriter:
             maxshape=(None,),
             dtype=np.int64,
             chunks=(_CHUNKS[name],),
+            fillvalue=_NOT_READ,
             compression="gzip",
             compression_opts=1,
             shuffle=True,
@@ -76,16 +81,20 @@ class RawWriter:
             "first_sample": np.array([block.first_sample]),
             "block_samples": np.array([len(block.counts)]),
         }
-        if block.index_counts is not None:
-            columns["index_counts"] = block.index_counts
         try:
             for name, values in columns.items():
-                dataset = self._columns[name]
-                n = dataset.shape[0]
-                dataset.resize(n + len(values), axis=0)
-                dataset[n:] = values
+                self._extend(name, self._columns[name].shape[0], values)
+            if block.index_counts is not None and len(block.index_counts):
+                end = self._columns["counts"].shape[0]
+                self._extend("index_counts", end - len(block.index_counts), block.index_counts)
         except (OSError, RuntimeError) as error:
             raise _raw_error(self.path, error) from error
+
+    def _extend(self, name: str, first: int, values: NDArray[np.int64]) -> None:
+        """Let a column end with these values, from its row `first` on."""
+        column = self._columns[name]
+        column.resize(first + len(values), axis=0)
+        column[first:] = values
 
     def sync(self) -> None:
         """Force what was appended to disk.

@@ -70,9 +70,6 @@ class DaqSettings:
         Samples in each average: the paper's 1000.
     no_data_timeout_s
         Silence of the card after which the sweep stops the drive, beyond one block's duration.
-    read_ahead_blocks
-        Blocks the callback may read before the sweep asks for them. 0 reads only on demand, which
-        is what keeps a lock-step simulation deterministic.
     """
 
     device: str = "Dev1"
@@ -84,7 +81,6 @@ class DaqSettings:
     sample_rate_hz: float = 100_000.0
     samples_per_average: int = 1000
     no_data_timeout_s: float = 0.5
-    read_ahead_blocks: int = 200
 
 
 @dataclass(frozen=True, slots=True)
