@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from usmbench.cli.json_output import write_json
-from usmbench.diagnose.knowledge import with_knowledge
+from usmbench.diagnose.reference import with_knowledge
 from usmbench.errors import InputError
 from usmbench.identify.fast import FastOptions, identify_fast
 from usmbench.identify.paper import PaperOptions, identify_paper

@@ -12,11 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.noise import LAGS, Noise, estimate_noise, noise_from_mapping
-from usmbench.diagnose.stretches import Stretch, cut_runs
+from usmbench.diagnose.stretches import Stretch
 from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.linear import from_rest
-from usmbench.runs.record import Record
 
 Array = NDArray[np.float64]
 
@@ -47,6 +46,11 @@ class Knowledge:
         Standard deviation of the gain from run to run, as a share.
     dead_zone_deg
         Standard deviation of the dead zone's half width from run to run.
+    habits
+        Effects that the identified runs showed already, as entries of a model's `effects`: of
+        these only more than twice as much is news.
+    spikes_hz
+        Rate of windows that stand alone in the identified runs.
     """
 
     noise: Noise | None
@@ -57,6 +61,8 @@ class Knowledge:
     lag: Array
     gain: float
     dead_zone_deg: float
+    habits: tuple[dict[str, Any], ...] = ()
+    spikes_hz: float = 0.0
 
     def expected_rad_s(self, stretch: Stretch, noise: Noise) -> Array:
         """Return the mean residual of a stretch that is no news.
@@ -88,6 +94,8 @@ class Knowledge:
             "lag": self.lag.tolist(),
             "gain": self.gain,
             "dead_zone_deg": self.dead_zone_deg,
+            "habits": list(self.habits),
+            "spikes_hz": self.spikes_hz,
         }
 
 
@@ -124,30 +132,13 @@ def knowledge_of(model: HammersteinModel) -> Knowledge:
             np.array(content["lag"], dtype=np.float64),
             float(content["gain"]),
             float(content["dead_zone_deg"]),
+            tuple(content["habits"]),
+            float(content["spikes_hz"]),
         )
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(
             f"the model's residual: {KEY} is damaged ({error}); identify the model again"
         ) from error
-
-
-def with_knowledge(model: HammersteinModel, records: Sequence[Record]) -> HammersteinModel:
-    """Return a model that carries what the runs it was identified on show.
-
-    Parameters
-    ----------
-    model
-        The identified model.
-    records
-        Those runs. One whose windows the model does not describe (a list of settled pairs, a
-        handful of rows) leaves the model as it is.
-    """
-    try:
-        stretches, _ = cut_runs(records, model, ())
-    except InputError:
-        return model
-    known = measure_knowledge(model, stretches)
-    return replace(model, residual={**model.residual, KEY: known.to_mapping()})
 
 
 def measure_knowledge(model: HammersteinModel, stretches: Sequence[Stretch]) -> Knowledge:
@@ -166,11 +157,8 @@ def measure_knowledge(model: HammersteinModel, stretches: Sequence[Stretch]) -> 
     bare = knowledge_of(replace(model, residual={}))
     rising, falling, curve_rad_s = _misfit(bare.nodes_deg, stretches, noise)
     gain, dead_zone_deg = _repeatability(stretches, noise)
-    n_steps = sum(int(np.count_nonzero(s.use & (s.lag == 0))) for s in stretches)
-    lag = np.hypot(
-        np.maximum(_LEAST_LAG, np.abs(noise.lag_mean)),
-        2.0 * noise.lag_spread / np.sqrt(max(n_steps, 1)),
-    )
+    # When in its window a command acts may differ from plan to plan as it does within one.
+    lag = np.maximum.reduce([np.full(LAGS, _LEAST_LAG), np.abs(noise.lag_mean), noise.lag_spread])
     return Knowledge(noise, bare.nodes_deg, rising, falling, curve_rad_s, lag, gain, dead_zone_deg)
 
 

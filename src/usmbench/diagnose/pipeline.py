@@ -1,28 +1,23 @@
 """From runs and a model to a diagnosis."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.detectable import smallest_sizes
-from usmbench.diagnose.fitting import Fit, intervals, refine
+from usmbench.diagnose.fitting import Fit, intervals
 from usmbench.diagnose.gain import Gain, held_out_residual, score
 from usmbench.diagnose.glitches import Glitches, find_glitches
 from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.naming import (
     SIGNIFICANT,
     Ranked,
-    Whole,
     alternatives,
-    earns_its_place,
-    rank,
     verdict,
-    whole_test,
 )
-from usmbench.diagnose.noise import estimate_noise
-from usmbench.diagnose.problem import Basis, Problem
+from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.remainder import describe
 from usmbench.diagnose.result import (
     Candidate,
@@ -32,9 +27,9 @@ from usmbench.diagnose.result import (
     Trace,
     Verdict,
 )
-from usmbench.diagnose.spikes import spiked
-from usmbench.diagnose.stretches import Stretch, cut_runs
-from usmbench.diagnose.views import omnibus, residual_views
+from usmbench.diagnose.search import Found, search
+from usmbench.diagnose.stretches import cut_runs
+from usmbench.diagnose.views import residual_views
 from usmbench.model.effects.base import Effect
 from usmbench.model.effects.registry import library
 from usmbench.model.extended import Applied, applied_effects
@@ -44,38 +39,7 @@ from usmbench.runs.record import Record
 
 Array = NDArray[np.float64]
 
-_MOST_CAUSES = 3
 _MOST_POINTS = 3000
-
-
-@dataclass(frozen=True, slots=True)
-class _Found:
-    """What the search came to.
-
-    Parameters
-    ----------
-    problem
-        The problem in its last state.
-    spread
-        Standard deviation of the whitened noise.
-    ranked
-        Every cause alone, best first.
-    named
-        One ranking a named cause, each given those before.
-    fit
-        All named causes together.
-    before, after
-        The tests over all views.
-    """
-
-    problem: Problem
-    spread: float
-    ranked: list[Ranked]
-    named: list[list[Ranked]]
-    fit: Fit
-    before: Whole
-    after: Whole
-    glitches: Glitches | None
 
 
 def diagnose(records: Sequence[Record], model: HammersteinModel) -> Diagnosis:
@@ -102,81 +66,24 @@ def diagnose(records: Sequence[Record], model: HammersteinModel) -> Diagnosis:
     for (name, _), reason in reasons.items():
         if reason is not None and all(e.name != name for e in testable):
             refused[name] = reason
-    found = _search(stretches, model, own, [e for e in testable if not e.sporadic])
-    says = _verdict(found)
-    return _report(found, says, model, testable, tuple(refused.items()), tuple(warnings))
+    found = search(stretches, knowledge_of(model), own, [e for e in testable if not e.sporadic])
+    glitches = find_glitches(found.problem, found.spikes, found.left_rad_s)
+    says = _verdict(found, glitches)
+    return _report(found, glitches, says, model, testable, tuple(refused.items()), tuple(warnings))
 
 
-def _search(
-    stretches: Sequence[Stretch],
-    model: HammersteinModel,
-    own: Sequence[Applied],
-    effects: Sequence[Effect],
-) -> _Found:
-    """Rank, re-estimate the noise, add causes while they earn their place."""
-    known = knowledge_of(model)
-    residuals = [s.residual_rad_s for s in stretches]
-    uses = [s.use for s in stretches]
-    noise = known.noise or estimate_noise(stretches, residuals, uses)
-    far = spiked(stretches, residuals, noise, near_steps=False)
-    masks = [use & ~f for use, f in zip(uses, far, strict=True)]
-    problem = Problem(stretches, known, noise, masks, own)
-    ranked = rank(problem, effects, 1.0)
-    best = ranked[0]
-    left = _left(problem, best.fit if best.p_value < SIGNIFICANT else None)
-    if known.noise is None:
-        noise = estimate_noise(stretches, left, masks)
-    far = spiked(stretches, left, noise, near_steps=True)
-    masks = [use & ~f for use, f in zip(uses, far, strict=True)]
-    problem = Problem(stretches, known, noise, masks, own)
-    basis = omnibus(problem)["all"]
-    spread = _spread(problem, basis, best.fit if best.p_value < SIGNIFICANT else None)
-    ranked = rank(problem, effects, spread)
-    named: list[list[Ranked]] = []
-    fit = Fit((), 0.0, 0.0)
-    here = ranked
-    while here and len(named) < _MOST_CAUSES and here[0].p_value < SIGNIFICANT:
-        if here[0].score <= 0.0 or (named and not earns_its_place(here[0], named[0][0])):
-            break
-        named.append(here)
-        fit = refine(problem, here[0].fit)
-        spread = max(1.0, _spread(problem, basis, fit))
-        taken = {rows[0].effect.name for rows in named}
-        here = rank(problem, [e for e in effects if e.name not in taken], spread, fit)
-    before = whole_test(problem, basis, None, spread)
-    after = whole_test(problem, basis, fit, spread)
-    glitches = find_glitches(problem, far, _left(problem, fit))
-    return _Found(problem, spread, ranked, named, fit, before, after, glitches)
-
-
-def _left(problem: Problem, fit: Fit | None) -> list[Array]:
-    """Residual with the effects of a fit taken out."""
-    if fit is None or not fit.effects:
-        return problem.residual_rad_s
-    changes = problem.change_rad_s(fit.effects)
-    return [r - c for r, c in zip(problem.residual_rad_s, changes, strict=True)]
-
-
-def _spread(problem: Problem, basis: Basis, fit: Fit | None) -> float:
-    """Robust standard deviation of the whitened noise outside the views, at least 1."""
-    left = problem.residual
-    if fit is not None and fit.effects:
-        left = left - problem.carried(problem.change_rad_s(fit.effects))
-    rows = (left - basis.vectors @ (basis.vectors.T @ left))[: problem.n_rows]
-    return max(1.0, 1.4826 * float(np.median(np.abs(rows))))
-
-
-def _verdict(found: _Found) -> Verdict:
+def _verdict(found: Found, glitches: Glitches | None) -> Verdict:
     """Say whether what is named may stand."""
     if not found.named:
-        if found.glitches is not None:
+        if glitches is not None:
             return "explained" if found.before.p_value > 1e-3 else "partly_explained"
         return "no_discrepancy" if found.before.p_value > SIGNIFICANT else "unexplained"
     return verdict(found.before, found.after, found.fit.statistic)  # type: ignore[return-value]
 
 
 def _report(
-    found: _Found,
+    found: Found,
+    glitches: Glitches | None,
     says: Verdict,
     model: HammersteinModel,
     testable: Sequence[Effect],
@@ -185,22 +92,23 @@ def _report(
 ) -> Diagnosis:
     """Put everything together."""
     problem = found.problem
+    plain = problem.residual_rad_s
     named = found.named if says in ("explained", "partly_explained") else []
     fit = found.fit if named else Fit((), 0.0, 0.0)
-    glitches = found.glitches if says in ("explained", "partly_explained") else None
+    glitches = glitches if says in ("explained", "partly_explained") else None
     effects = (*fit.effects, *(() if glitches is None else (glitches.applied,)))
     extended = replace(
         model, effects=(*model.effects, *(applied.to_mapping() for applied in effects))
     )
+    left = found.left_rad_s if named else plain
     gap = memory_windows(model.linear) + 5
     held = held_out_residual(problem, fit, gap) if fit.effects else problem.residual_rad_s
     after_masks = problem.masks if glitches is not None else [s.use for s in problem.stretches]
-    plain = problem.residual_rad_s
     gain = score(problem, held, after_masks, plain)
     causes = [] if not named else _causes(found, named, fit, gain, gap)
     if glitches is not None:
         causes.append(glitches.named)
-    views = residual_views(problem, _left(problem, fit), found.spread)
+    views = residual_views(problem, left, found.spread)
     remainder = None if says in ("no_discrepancy", "explained") else describe(views)
     return Diagnosis(
         verdict=says,
@@ -224,7 +132,7 @@ def _report(
 
 
 def _causes(
-    found: _Found, named: Sequence[list[Ranked]], fit: Fit, gain: Gain, gap: int
+    found: Found, named: Sequence[list[Ranked]], fit: Fit, gain: Gain, gap: int
 ) -> list[NamedCause]:
     """Describe the named causes."""
     problem = found.problem
@@ -271,7 +179,7 @@ def _best_forms(ranked: Sequence[Ranked]) -> list[Ranked]:
     return list(best.values())
 
 
-def _candidate(r: Ranked, found: _Found) -> Candidate:
+def _candidate(r: Ranked, found: Found) -> Candidate:
     """Describe a cause of the library."""
     basis_share = min(r.statistic / max(found.before.excess, r.statistic, 1e-12), 1.0)
     return Candidate(

@@ -17,7 +17,7 @@ from scipy.signal import lfilter
 from usmbench.diagnose.knowledge import Knowledge, widening
 from usmbench.diagnose.noise import LAGS, Noise
 from usmbench.diagnose.stretches import Mask, Stretch
-from usmbench.model.extended import Applied, extended_run
+from usmbench.model.extended import Applied, applied_effects, extended_run
 from usmbench.model.linear import from_rest
 
 Array = NDArray[np.float64]
@@ -53,6 +53,7 @@ class Problem:
         self.masks = tuple(masks)
         self.own = tuple(own)
         self._filter = np.r_[1.0, -noise.ar] / noise.innovation
+        self._habits = [self.change_rad_s([habit]) for habit in applied_effects(known.habits)]
         self._level = [noise.level_rad_s(s) for s in self.stretches]
         self._valid = [self._whole(mask) for mask in self.masks]
         columns = [self._white_parts(c) for c in self._background()]
@@ -60,6 +61,8 @@ class Problem:
         gram = self._columns.T @ self._columns + np.eye(self._columns.shape[1])
         self._factor = cho_factor(gram) if columns else None
         expected = [known.expected_rad_s(s, noise) for s in self.stretches]
+        for habit in self._habits:
+            expected = [e + h for e, h in zip(expected, habit, strict=True)]
         self.residual_rad_s = [
             s.residual_rad_s - e for s, e in zip(self.stretches, expected, strict=True)
         ]
@@ -144,6 +147,8 @@ class Problem:
         for run in sorted({s.run for s in self.stretches}):
             yield [known.gain * s.simulated_rad_s * (s.run == run) for s in self.stretches]
             yield [known.dead_zone_deg * widening(s) * (s.run == run) for s in self.stretches]
+        # What the bench does anyway may do so with half or double its strength.
+        yield from self._habits
 
     @staticmethod
     def _settle(stretch: Stretch, signal: Array) -> Array:

@@ -23,6 +23,8 @@ _RATE_TOLERANCE = 1e-3
 _FEWEST_WINDOWS = 60
 _NODES = 16_385
 _LONGEST_START = 50
+_MOST_WINDOWS = 40_000  # more add time and memory, and hardly power
+_BLOCK = 2000
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,6 +134,7 @@ def cut_runs(
     stretches: list[Stretch] = []
     warnings: list[str] = []
     _check_motors(records)
+    keep = min(1.0, _MOST_WINDOWS / sum(record.t_s.size for record in records))
     for run, record in enumerate(records):
         _check(record, model)
         angle_rad = middle_angle_rad(record)
@@ -142,7 +145,7 @@ def cut_runs(
         _check_outside(record, outside, warnings)
         window_s = float(np.median(record.window_s))
         jumps = np.flatnonzero(np.diff(record.t_s) > _GAP * window_s) + 1
-        for rows in np.split(np.arange(record.t_s.size), jumps):
+        for rows in _pieces(record.t_s.size, jumps, keep):
             context = Context(
                 record.t_s[rows],
                 window_s,
@@ -165,6 +168,20 @@ def cut_runs(
             "causes; measure for longer"
         )
     return stretches, warnings
+
+
+def _pieces(n: int, jumps: NDArray[np.int64], keep: float) -> list[NDArray[np.int64]]:
+    """Rows of the stretches; of a very long run blocks spread evenly over it."""
+    stretches = np.split(np.arange(n), jumps)
+    if keep >= 1.0:
+        return [rows for rows in stretches if rows.size > _LONGEST_START]
+    pieces = []
+    for rows in stretches:
+        count = max(1, round(keep * rows.size / _BLOCK))
+        for block in np.array_split(rows, count):
+            middle = (block.size - min(_BLOCK, block.size)) // 2
+            pieces.append(block[middle : middle + _BLOCK])
+    return pieces
 
 
 def _stretch(

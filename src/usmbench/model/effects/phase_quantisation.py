@@ -8,7 +8,7 @@ from usmbench.model.effects.base import Array, Context, Effect, Parameter, Value
 
 _MEANING = "The generator sets the phase on a coarse grid instead of where it is commanded."
 _MEND = "Read the generator's phase register back, and check how many of its bits are written."
-_FINEST_DEG, _COARSEST_DEG = 0.35, 60.0
+_COARSEST_DEG = 60.0
 
 
 class RoundedPhase(Effect):
@@ -35,21 +35,16 @@ class RoundedPhase(Effect):
         return step_deg * np.floor(signal / step_deg + 0.5)
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
-        """Return steps so close that the farthest phase moves by at most a third of a step.
+        """Return the grids of a register with n values, and round numbers of degrees.
 
         Parameters
         ----------
         contexts
             All stretches.
         """
-        reach_deg = max(float(np.max(np.abs(c.phase_deg))) for c in contexts)
-        # 360/n are the grids of a register with n values, tried exactly.
-        steps = [360.0 / n for n in range(6, 1030)]
-        step_deg = _FINEST_DEG
-        while step_deg < _COARSEST_DEG:
-            steps.append(step_deg)
-            step_deg *= 1.0 + step_deg / (3.0 * max(reach_deg, step_deg))
-        return {"step_deg": np.unique(steps)}
+        register = [360.0 / n for n in (*range(6, 361), 384, 512, 640, 720, 1000, 1024, 2048, 4096)]
+        decimal = [0.1, 0.2, 0.25, 0.5, 2.5, 3.5, 7.0, 7.5, 12.5, 25.0, 35.0, 50.0]
+        return {"step_deg": np.unique([*register, *decimal])}
 
 
 class TruncatedPhase(RoundedPhase):

@@ -1,0 +1,141 @@
+"""The search for causes: rank, settle the noise, add causes while they earn their place."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.diagnose.fitting import Fit, refine
+from usmbench.diagnose.knowledge import Knowledge
+from usmbench.diagnose.naming import (
+    SIGNIFICANT,
+    Ranked,
+    Whole,
+    earns_its_place,
+    rank,
+    whole_test,
+)
+from usmbench.diagnose.noise import estimate_noise
+from usmbench.diagnose.problem import Basis, Problem
+from usmbench.diagnose.spikes import spiked
+from usmbench.diagnose.stretches import Mask, Stretch
+from usmbench.diagnose.views import omnibus
+from usmbench.model.effects.base import Effect
+from usmbench.model.extended import Applied
+
+Array = NDArray[np.float64]
+
+_MOST_CAUSES = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """What the search came to.
+
+    Parameters
+    ----------
+    problem
+        The problem in its last state.
+    spread
+        Standard deviation of the whitened noise.
+    ranked
+        Every cause alone, best first.
+    named
+        One ranking a named cause, each given those before.
+    fit
+        All named causes together.
+    before, after
+        The tests over all views.
+    spikes
+        Windows of each stretch that stand alone.
+    """
+
+    problem: Problem
+    spread: float
+    ranked: list[Ranked]
+    named: list[list[Ranked]]
+    fit: Fit
+    before: Whole
+    after: Whole
+    spikes: list[Mask]
+
+    @property
+    def n_spikes(self) -> int:
+        """Number of usable windows that stand alone."""
+        pairs = zip(self.spikes, self.problem.stretches, strict=True)
+        return sum(int(np.count_nonzero(far & s.use)) for far, s in pairs)
+
+    @property
+    def left_rad_s(self) -> list[Array]:
+        """Residual of each stretch with the named causes taken out, in rad/s."""
+        return _left(self.problem, self.fit)
+
+
+def search(
+    stretches: Sequence[Stretch],
+    known: Knowledge,
+    own: Sequence[Applied],
+    effects: Sequence[Effect],
+) -> Found:
+    """Look for the causes of what a model leaves.
+
+    Parameters
+    ----------
+    stretches
+        The runs.
+    known
+        What is known beforehand.
+    own
+        The model's own effects.
+    effects
+        Causes to weigh, none of them sporadic.
+    """
+    residuals = [s.residual_rad_s for s in stretches]
+    uses = [s.use for s in stretches]
+    noise = known.noise or estimate_noise(stretches, residuals, uses)
+    far = spiked(stretches, residuals, noise, near_steps=False)
+    masks = [use & ~f for use, f in zip(uses, far, strict=True)]
+    problem = Problem(stretches, known, noise, masks, own)
+    ranked = rank(problem, effects, 1.0)
+    best = ranked[0]
+    left = _left(problem, best.fit if best.p_value < SIGNIFICANT else None)
+    if known.noise is None:
+        noise = estimate_noise(stretches, left, masks)
+    far = spiked(stretches, left, noise, near_steps=True)
+    masks = [use & ~f for use, f in zip(uses, far, strict=True)]
+    problem = Problem(stretches, known, noise, masks, own)
+    basis = omnibus(problem)["all"]
+    spread = _spread(problem, basis, best.fit if best.p_value < SIGNIFICANT else None)
+    ranked = rank(problem, effects, spread)
+    named: list[list[Ranked]] = []
+    fit = Fit((), 0.0, 0.0)
+    here = ranked
+    while here and len(named) < _MOST_CAUSES and here[0].p_value < SIGNIFICANT:
+        if here[0].score <= 0.0 or (named and not earns_its_place(here[0], named[0][0])):
+            break
+        named.append(here)
+        fit = refine(problem, here[0].fit)
+        spread = max(1.0, _spread(problem, basis, fit))
+        taken = {rows[0].effect.name for rows in named}
+        here = rank(problem, [e for e in effects if e.name not in taken], spread, fit)
+    before = whole_test(problem, basis, None, spread)
+    after = whole_test(problem, basis, fit, spread)
+    return Found(problem, spread, ranked, named, fit, before, after, far)
+
+
+def _left(problem: Problem, fit: Fit | None) -> list[Array]:
+    """Residual with the effects of a fit taken out."""
+    if fit is None or not fit.effects:
+        return problem.residual_rad_s
+    changes = problem.change_rad_s(fit.effects)
+    return [r - c for r, c in zip(problem.residual_rad_s, changes, strict=True)]
+
+
+def _spread(problem: Problem, basis: Basis, fit: Fit | None) -> float:
+    """Robust standard deviation of the whitened noise outside the views, at least 1."""
+    left = problem.residual
+    if fit is not None and fit.effects:
+        left = left - problem.carried(problem.change_rad_s(fit.effects))
+    rows = (left - basis.vectors @ (basis.vectors.T @ left))[: problem.n_rows]
+    return max(1.0, 1.4826 * float(np.median(np.abs(rows))))
