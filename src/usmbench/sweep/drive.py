@@ -106,13 +106,16 @@ class CommandedDrive:
         setting = replace(setting, drive_on=1)
         last = self._commanded
         before = self._source.samples_acquired()
+        sent = True
         if not last.drive_on or setting.frequency_hz != last.frequency_hz:
             self._control.set_drive(setting.frequency_hz, setting.phase_deg)
         elif setting.phase_deg != last.phase_deg:
             self._control.phase_deg = setting.phase_deg
+        else:
+            sent = False
         if not last.drive_on:
             self._control.outputs_on = True
-        self._note(setting, before)
+        self._note(setting, before, sent=sent)
 
     def rest(self) -> None:
         """Switch the drive off between two parts of a plan.
@@ -125,14 +128,15 @@ class CommandedDrive:
         self._control.off()
         if last.drive_on:
             self._control.set_drive(last.frequency_hz, 0.0)
-        self._note(replace(last, phase_deg=0.0, drive_on=0), before)
+        self._note(replace(last, phase_deg=0.0, drive_on=0), before, sent=True)
 
-    def _note(self, setting: Setting, before: int) -> None:
+    def _note(self, setting: Setting, before: int, *, sent: bool) -> None:
         after = self._source.samples_acquired()
         self._commanded = setting
         self._pending.append(((before + after) / 2, setting))
         self._complete_at = after
-        self._last_contact = after
+        if sent:
+            self._last_contact = after
 
     def keep_alive(self, end_sample: int, every_samples: int) -> None:
         """Send a sign of life where the last exchange was too long ago, in sample time.

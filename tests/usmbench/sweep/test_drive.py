@@ -61,3 +61,13 @@ def test_a_sign_of_life_goes_out_only_after_silence(fake: Any) -> None:
             drive.apply(Setting(30.0, 41_000.0))
         drive.keep_alive(end_sample, 25_000)
     assert fake.contact_samples == [25_000, 40_000, 40_000, 65_000, 90_000]
+
+
+def test_a_setting_that_changes_nothing_is_no_sign_of_life(fake: Any) -> None:
+    drive = CommandedDrive(fake, fake)
+    setting = Setting(20.0, 41_000.0)
+    for end_sample in range(0, 100_000, 1000):
+        fake.clock_samples = end_sample
+        drive.apply(setting)
+        drive.keep_alive(end_sample, 25_000)
+    assert fake.calls.count("heartbeat") == 3
