@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from usmbench import __version__
+from usmbench.cli.text_table import printable
 from usmbench.errors import InputError, UsmbenchError
 
 STOPPED_BY_USER = 130
@@ -18,6 +19,7 @@ COMMANDS = {
     "identify": "from runs to a model of the motor",
     "replay": "a run's commands through a model, or through a bench again",
     "diagnose": "what the simulation gets wrong, why, and what it gains to know",
+    "runs": "list what was measured, find it, check its data",
     "demo": "all of it on the simulated testbed",
 }
 
@@ -79,7 +81,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return int(parsed.run(parsed))
     except UsmbenchError as error:
         notes = getattr(error, "__notes__", [])
-        print("; ".join([f"usmbench: {error}", *notes]), file=sys.stderr)
+        print(printable("; ".join([f"usmbench: {error}", *notes])), file=sys.stderr)
         return error.exit_status
     except KeyboardInterrupt:
         print("usmbench: stopped by the user", file=sys.stderr)

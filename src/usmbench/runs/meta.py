@@ -93,8 +93,31 @@ def verify_sha256(folder: Path) -> list[str]:
     usmbench.errors.InputError
         run.yaml cannot be read, or names a file outside the folder.
     """
-    folder = Path(folder)
-    sums = read_meta(folder).get("sha256") or {}
+    return changed_files(Path(folder), read_meta(folder).get("sha256"))
+
+
+def changed_files(folder: Path, sums: object) -> list[str]:
+    """Hold the data files against check sums.
+
+    Parameters
+    ----------
+    folder
+        The run folder.
+    sums
+        What run.yaml says under `sha256`; None for a run that was never closed.
+
+    Returns
+    -------
+    list of str
+        Names of the files that are missing or have changed.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        The sums are none, or of a file outside the folder.
+    """
+    if sums is None:
+        return []
     if not isinstance(sums, dict):
         raise InputError("sha256 must map file names to sums", file=folder / RUN_FILE)
     changed = []

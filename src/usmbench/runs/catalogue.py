@@ -1,0 +1,238 @@
+"""What was measured: the runs of a folder, found by what their run.yaml says."""
+
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from datetime import UTC, date, datetime
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Any, Final
+
+import yaml
+
+from usmbench.errors import InputError
+from usmbench.runs.columns import RUN_FILE
+from usmbench.runs.meta import changed_files
+from usmbench.runs.meta_blocks import MetaBlocks
+
+_BEFORE_ALL: Final = datetime.min.replace(tzinfo=UTC)
+
+
+@dataclass(frozen=True, slots=True)
+class RunSummary:
+    """One line of the list of runs.
+
+    Parameters
+    ----------
+    folder
+        The run folder.
+    run_id
+        The run's id, None where run.yaml has none.
+    started
+        When the run started, None where run.yaml does not say.
+    plan
+        Name of the plan, None where there is none.
+    frequencies_hz, torques_nm
+        Operating points of the plan.
+    exit_text
+        "completed", "interrupted", "failed: reason"; "open" where the run was never closed.
+    """
+
+    folder: Path
+    run_id: str | None
+    started: datetime | None
+    plan: str | None
+    frequencies_hz: tuple[float, ...]
+    torques_nm: tuple[float, ...]
+    exit_text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """What a run must say to be found.
+
+    Parameters
+    ----------
+    key
+        A key of run.yaml, with dots between the levels; lists stand for their items.
+    value
+        What is to be there: a number or text, in which * and ? stand for any letters and one.
+    """
+
+    key: str
+    value: str
+
+    def holds(self, meta: MetaBlocks) -> bool:
+        """Return whether a run fulfils the condition.
+
+        Parameters
+        ----------
+        meta
+            What its run.yaml says.
+
+        Raises
+        ------
+        usmbench.errors.InputError
+            run.yaml cannot be read.
+        """
+        return any(self._fits(value) for value in meta.values(self.key))
+
+    def _fits(self, value: object) -> bool:
+        if isinstance(value, bool | None):
+            return yaml.safe_load(self.value) is value
+        if isinstance(value, int | float):
+            number = _number(self.value)
+            return number is not None and number == value
+        text = value.isoformat() if isinstance(value, date) else str(value)
+        return fnmatchcase(text.casefold(), self.value.casefold())
+
+
+@dataclass(frozen=True, slots=True)
+class Catalogue:
+    """The runs of a folder.
+
+    Parameters
+    ----------
+    runs
+        Those that fulfil every condition, the oldest first.
+    unreadable
+        Folders whose run.yaml cannot be read, one message each.
+    """
+
+    runs: tuple[RunSummary, ...]
+    unreadable: tuple[str, ...]
+
+
+def parse_condition(text: str) -> Condition:
+    """Return the condition that KEY=VALUE says.
+
+    Parameters
+    ----------
+    text
+        Such as ``plan.name=phase-sweep`` or ``exit=failed*``.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        There is no key or no equals sign.
+    """
+    key, equals, value = text.partition("=")
+    if not key or not equals:
+        raise InputError(f"--find {text!r} is not KEY=VALUE, such as plan.name=phase-sweep")
+    return Condition(key, value)
+
+
+def find_runs(folder: Path, conditions: Sequence[Condition] = ()) -> Catalogue:
+    """List the runs in a folder and in the folders below it.
+
+    Parameters
+    ----------
+    folder
+        Where to look; a run folder is a list of one.
+    conditions
+        What the runs must say.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        There is no such folder, or it cannot be read.
+    """
+    runs, unreadable = [], []
+    for run_folder in run_folders(folder):
+        try:
+            meta = MetaBlocks(run_folder)
+            if all(condition.holds(meta) for condition in conditions):
+                runs.append(_summary(run_folder, meta))
+        except InputError as error:
+            unreadable.append(str(error))
+    return Catalogue(tuple(sorted(runs, key=_age)), tuple(unreadable))
+
+
+def changed_data(folder: Path) -> list[str]:
+    """Hold a run's data files against the check sums in its run.yaml.
+
+    Parameters
+    ----------
+    folder
+        The run folder.
+
+    Returns
+    -------
+    list of str
+        Names of the files that are missing or have changed.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        run.yaml cannot be read, or names a file outside the folder.
+    """
+    return changed_files(folder, MetaBlocks(folder).get("sha256"))
+
+
+def run_folders(folder: Path) -> Iterator[Path]:
+    """Yield the run folders in a folder and below it, links left alone.
+
+    Parameters
+    ----------
+    folder
+        Where to look.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        There is no such folder, or it cannot be read.
+    """
+    if not folder.is_dir():
+        raise InputError("is no folder; name the one that holds the runs", file=folder)
+    waiting = [str(folder)]
+    while waiting:
+        path = waiting.pop()
+        # A run folder is not searched: of a long list, that is most of the work saved.
+        if os.path.exists(f"{path}/{RUN_FILE}"):  # noqa: PTH110 - Path takes ten times as long
+            yield Path(path)
+            continue
+        try:
+            with os.scandir(path) as entries:
+                waiting += [e.path for e in entries if e.is_dir(follow_symlinks=False)]
+        except OSError as error:
+            raise InputError(f"cannot be read: {error.strerror}", file=path) from None
+
+
+def _summary(folder: Path, meta: MetaBlocks) -> RunSummary:
+    plan, outcome, run_id = meta.get("plan"), meta.get("exit"), meta.get("id")
+    plan = plan if isinstance(plan, dict) else {}
+    name = plan.get("name")
+    return RunSummary(
+        folder=folder,
+        run_id=None if run_id is None else str(run_id),
+        started=_instant(meta.get("started")),
+        plan=None if name is None else str(name),
+        frequencies_hz=_numbers(plan.get("frequency_hz")),
+        torques_nm=_numbers(plan.get("torque_nm", 0.0 if plan else None)),
+        exit_text="open" if outcome is None else str(outcome),
+    )
+
+
+def _instant(value: object) -> datetime | None:
+    """Return an instant with its zone; YAML may have made a date of it."""
+    try:
+        when = value if isinstance(value, datetime) else datetime.fromisoformat(str(value))
+    except ValueError:
+        return None
+    return when if when.tzinfo is not None else when.astimezone()
+
+
+def _numbers(value: Any) -> tuple[float, ...]:
+    values = value if isinstance(value, list) else [value]
+    return tuple(float(number) for number in values if isinstance(number, int | float))
+
+
+def _number(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+def _age(run: RunSummary) -> tuple[datetime, str]:
+    return run.started or _BEFORE_ALL, str(run.folder)

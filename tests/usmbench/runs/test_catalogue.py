@@ -1,0 +1,128 @@
+"""Runs are found wherever they lie, by whatever their run.yaml says."""
+
+from pathlib import Path
+
+import pytest
+
+from usmbench.errors import InputError
+from usmbench.runs.catalogue import changed_data, find_runs, parse_condition
+
+RUN = """\
+format: usmbench-run/1
+id: {name}
+started: '2026-11-{day:02d}T10:00:00+01:00'
+bench:
+  temperature: null
+  generator: {{port: /dev/ttyUSB0}}
+plan:
+  name: {plan}
+  frequency_hz: [41000, 41500]
+  torque_nm: 0.1
+exit: {exit}
+"""
+
+
+def make(folder: Path, day: int, *, plan: str = "phase-sweep", outcome: str = "completed") -> Path:
+    folder.mkdir(parents=True)
+    text = RUN.format(name=folder.name, day=day, plan=plan, exit=f"'{outcome}'")
+    (folder / "run.yaml").write_text(text)
+    return folder
+
+
+@pytest.fixture
+def runs(tmp_path: Path) -> Path:
+    make(tmp_path / "b", 2, plan="telegraph")
+    make(tmp_path / "2026" / "a", 1)
+    make(tmp_path / "2026" / "deep" / "c", 3, outcome="failed: the card gave no data")
+    (tmp_path / "2026" / "notes").mkdir()
+    return tmp_path
+
+
+def ids(folder: Path, *conditions: str) -> list[str | None]:
+    found = find_runs(folder, [parse_condition(text) for text in conditions])
+    return [run.run_id for run in found.runs]
+
+
+def test_the_oldest_comes_first(runs: Path) -> None:
+    assert ids(runs) == ["a", "b", "c"]
+
+
+def test_a_summary_says_when_what_and_how_it_ended(runs: Path) -> None:
+    (run,) = find_runs(runs, [parse_condition("id=c")]).runs
+    assert run.folder == runs / "2026" / "deep" / "c"
+    assert run.started is not None
+    assert run.started.isoformat() == "2026-11-03T10:00:00+01:00"
+    assert (run.plan, run.frequencies_hz, run.torques_nm) == (
+        "phase-sweep",
+        (41000.0, 41500.0),
+        (0.1,),
+    )
+    assert run.exit_text == "failed: the card gave no data"
+
+
+@pytest.mark.parametrize(
+    ("conditions", "expected"),
+    [
+        (["plan.name=telegraph"], ["b"]),
+        (["plan.frequency_hz=41.5e3"], ["a", "b", "c"]),
+        (["plan.frequency_hz=41"], []),
+        (["plan.torque_nm=0.10"], ["a", "b", "c"]),
+        (["exit=FAILED*"], ["c"]),
+        (["exit=failed"], []),
+        (["plan.name=phase*", "exit=completed"], ["a"]),
+        (["bench.generator.port=*USB?"], ["a", "b", "c"]),
+        (["started=2026-11-02*"], ["b"]),
+        (["bench.temperature.channel=ai0"], []),
+        (["nothing=1"], []),
+    ],
+)
+def test_any_key_finds(runs: Path, conditions: list[str], expected: list[str]) -> None:
+    assert ids(runs, *conditions) == expected
+
+
+@pytest.mark.parametrize("text", ["", "plan.name", "=phase-sweep"])
+def test_what_is_no_condition_is_refused(text: str) -> None:
+    with pytest.raises(InputError, match="KEY=VALUE"):
+        parse_condition(text)
+
+
+def test_a_run_folder_is_a_list_of_one(runs: Path) -> None:
+    assert ids(runs / "b") == ["b"]
+
+
+def test_one_bad_run_does_not_hide_the_others(runs: Path) -> None:
+    (runs / "b" / "run.yaml").write_text("format: something/else\n")
+    found = find_runs(runs)
+    assert [run.run_id for run in found.runs] == ["a", "c"]
+    assert len(found.unreadable) == 1
+    assert "b/run.yaml" in found.unreadable[0]
+
+
+def test_a_bare_run_is_listed_with_what_it_has(tmp_path: Path) -> None:
+    (tmp_path / "run.yaml").write_text("format: usmbench-run/1\nplan: 3\nstarted: [1]\nexit: 4\n")
+    (run,) = find_runs(tmp_path).runs
+    assert (run.started, run.plan, run.frequencies_hz, run.exit_text) == (None, None, (), "4")
+
+
+def test_links_are_left_alone(runs: Path) -> None:
+    (runs / "again").symlink_to(runs / "2026", target_is_directory=True)
+    (runs / "2026" / "round").symlink_to(runs, target_is_directory=True)
+    assert ids(runs) == ["a", "b", "c"]
+
+
+def test_a_folder_that_is_none_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="is no folder"):
+        find_runs(tmp_path / "none")
+
+
+def test_changed_data_is_named_and_a_sum_of_a_file_outside_refused(tmp_path: Path) -> None:
+    (tmp_path / "windows.csv").write_text("phase_deg\n")
+    run = tmp_path / "run.yaml"
+    run.write_text("format: usmbench-run/1\nsha256: {windows.csv: 0, pairs.csv: 0}\n")
+    assert changed_data(tmp_path) == ["windows.csv", "pairs.csv"]
+    run.write_text("format: usmbench-run/1\n")
+    assert changed_data(tmp_path) == []
+    for outside in ("../secret", "/etc/passwd", "a/b"):
+        run.write_text(f"format: usmbench-run/1\nsha256: {{{outside}: 0}}\n")
+        with pytest.raises(InputError, match="not a file of this folder"):
+            changed_data(tmp_path)
