@@ -10,13 +10,14 @@ from typing import Final
 
 from hil_sim.board import Board
 from hil_sim.control import run_until_stopped, stop_signals
+from hil_sim.defects import CATALOGUE, defective_plant, parse_defect
 from hil_sim.fault_entries import parse_fault, read_faults
 from hil_sim.faults import FaultKind, FaultSchedule
 from hil_sim.gpsim_board import GpsimBoard
 from hil_sim.gpsim_bridge import GpsimBridge
-from hil_sim.plant import MotorPlant
+from hil_sim.plant import MotorPlant, PlantParameters
 from hil_sim.running import RunningTestbed
-from hil_sim.testbed import BoardMachine
+from hil_sim.testbed import BoardMachine, FaultablePlant
 from usmbench.errors import BenchError, InputError, UsmbenchError
 
 # The pseudo-terminal's thread must get its turn within a byte's time, whatever the others compute.
@@ -49,6 +50,13 @@ def _parser() -> argparse.ArgumentParser:
         help=f"a fault and its simulated time; kinds: {', '.join(FaultKind)}",
     )
     parser.add_argument("--fault-file", type=Path, metavar="FILE", help="faults as a YAML list")
+    parser.add_argument(
+        "--defect",
+        action="append",
+        default=[],
+        metavar="MECHANISM[=SIZE]",
+        help=f"something wrong with the motor or the bench; mechanisms: {', '.join(CATALOGUE)}",
+    )
     parser.add_argument("--json", action="store_true", help="print port and address as JSON")
     parser.add_argument(
         "--stdin-control",
@@ -68,13 +76,33 @@ def _board(kind: str) -> Iterator[BoardMachine]:
             yield GpsimBoard(bridge)
 
 
+def build_plant(defects: Sequence[str], seed: int) -> FaultablePlant:
+    """Return the motor, with what is wrong with it.
+
+    Parameters
+    ----------
+    defects
+        Mechanisms and sizes, as the command line gives them; may be empty.
+    seed
+        Seed of the noise.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        There is no such mechanism.
+    """
+    if not defects:
+        return MotorPlant(seed=seed)
+    return defective_plant(PlantParameters(), [parse_defect(text) for text in defects], seed=seed)
+
+
 def _run(arguments: argparse.Namespace) -> None:
     if arguments.seed < 0:
         raise InputError(f"the seed must be 0 or more, not {arguments.seed}")
     faults = [parse_fault(text) for text in arguments.fault]
     if arguments.fault_file is not None:
         faults += read_faults(arguments.fault_file)
-    plant = MotorPlant(seed=arguments.seed)
+    plant = build_plant(arguments.defect, arguments.seed)
     schedule = FaultSchedule(faults)
     sys.setswitchinterval(_SWITCH_INTERVAL_S)
     with (

@@ -11,11 +11,12 @@ from pathlib import Path
 import pytest
 import serial
 
-from hil_sim.__main__ import main
+from hil_sim.__main__ import build_plant, main
 from hil_sim.control import answer
 from hil_sim.frame_receiver import build_frame
 from hil_sim.plant import MotorPlant
-from hil_sim.testbed import Testbed
+from hil_sim.signals import Drive
+from hil_sim.testbed import FaultablePlant, Testbed
 
 
 @contextmanager
@@ -53,6 +54,16 @@ def test_it_says_where_it_is_and_ends_when_its_parent_does() -> None:
         assert process.stderr.read() == ""
 
 
+def turned(plant: FaultablePlant) -> float:
+    """Counts after half a second of drive."""
+    plant.drive(0.0, Drive(41_000.0, 90.0, 1.0, 1.0))
+    return float(plant.sample(500, 1000.0).position[-1])
+
+
+def test_a_defect_reaches_the_motor() -> None:
+    assert turned(build_plant(["worn_contact=50"], 1)) < 0.9 * turned(build_plant([], 1))
+
+
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_signal_ends_it_without_a_word(number: signal.Signals) -> None:
     with started() as process:
@@ -72,6 +83,8 @@ def test_a_signal_ends_it_without_a_word(number: signal.Signals) -> None:
         (["--load", "-1"], "load torque"),
         (["--load", "nan"], "load torque"),
         (["--seed", "-1"], "seed"),
+        (["--defect", "gremlin"], "no such mechanism"),
+        (["--defect", "command_queue=long"], "give a size in ms"),
     ],
 )
 def test_a_wrong_argument_is_one_line_and_status_2(
