@@ -149,8 +149,8 @@ class Result:
 
     @property
     def cpu_share(self) -> float:
-        """The client's CPU time over the time elapsed."""
-        return self.client_cpu_s / self.elapsed_s
+        """The client's CPU time over the windows' time: its share of a core in real time."""
+        return self.client_cpu_s / (self.n_blocks * BLOCK_S)
 
 
 def measure(setup: Setup, n_blocks: int) -> Result:
@@ -211,8 +211,9 @@ def rms_percent(errors: NDArray[np.float64]) -> float:
     return 100.0 * float(np.sqrt(np.mean(errors**2)))
 
 
-def report_paths(lock_step_s: float, real_time_s: float) -> int:
-    lost = 0
+def report_paths(lock_step_s: float, real_time_s: float) -> tuple[int, float]:
+    """Print every setup; return the windows lost and the CPU share in lock step."""
+    lost, cpu_share = 0, 0.0
     for rate_hz in (1e5, 1e6):
         for setup, duration_s in (
             (Setup(rate_hz, True), lock_step_s),
@@ -222,22 +223,21 @@ def report_paths(lock_step_s: float, real_time_s: float) -> int:
         ):
             result = measure(setup, round(duration_s / BLOCK_S))
             lost += result.lost
+            if setup.lock_step:
+                cpu_share = max(cpu_share, result.cpu_share)
             print(
                 f"{setup}  {result.n_blocks:6} windows  lost {result.lost}  {pace(setup, result)}",
                 flush=True,
             )
-    return lost
+    return lost, cpu_share
 
 
 def pace(setup: Setup, result: Result) -> str:
+    client = f"client {100 * result.cpu_share:.1f} % of a core at 100 windows/s"
     if setup.lock_step:
-        rate = result.blocks_per_s
-        return f"{rate:5.0f} windows/s, {rate * BLOCK_S:.1f} x real time"
+        return f"{client}, {result.blocks_per_s * BLOCK_S:.1f} x real time"
     late_ms = 1e3 * np.percentile(result.latency_s, (50, 99))
-    return (
-        f"client {100 * result.cpu_share:.1f} % of a core, ready {late_ms[0]:.2f} ms after the "
-        f"window's end (p99 {late_ms[1]:.2f})"
-    )
+    return f"{client}, ready {late_ms[0]:.2f} ms after the window's end (p99 {late_ms[1]:.2f})"
 
 
 def report_speeds(n_blocks: int) -> float:
@@ -263,9 +263,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         rate_hz, lock_step, index, speed_rad_s = json.loads(options.serve)
         run_server(Setup(rate_hz, lock_step, index, speed_rad_s))
         return 0
-    lost = report_paths(3.0, 1.0) if options.small else report_paths(600.0, 60.0)
+    lost, cpu_share = report_paths(3.0, 1.0) if options.small else report_paths(600.0, 60.0)
     worst = report_speeds(100 if options.small else 2000)
-    return 0 if lost == 0 and worst <= 0.05 else 1
+    return 0 if lost == 0 and worst <= 0.05 and cpu_share <= 0.1 else 1
 
 
 if __name__ == "__main__":
