@@ -39,7 +39,8 @@ from usmbench.runs.reader import read_run
 from usmbench.settings.bench import BenchSettings
 from usmbench.settings.plan_file import parse_plan
 from usmbench.settings.yaml_source import Source
-from usmbench.sweep.rows import WindowRow
+from usmbench.sweep.observer import Standing
+from usmbench.sweep.rows import PairRow, WindowRow
 
 OpenBench = Callable[[], AbstractContextManager[Bench]]
 
@@ -91,9 +92,12 @@ class Reported:
     def __init__(self) -> None:
         self.rows: list[WindowRow] = []
 
-    def window(self, row: WindowRow, windows_left: int) -> None:
+    def window(self, row: WindowRow, standing: Standing) -> None:
         """Take one window."""
         self.rows.append(row)
+
+    def settled(self, pair: PairRow) -> None:
+        """Let every pair pass."""
 
 
 def drive_off_s(testbed: Testbed) -> float:

@@ -20,6 +20,7 @@ from usmbench.instruments.samples import SampleBlock
 from usmbench.settings.bench import BenchSettings, InterlockSettings
 from usmbench.settings.plan import Settle
 from usmbench.sweep.controller import Instruments, SweepController
+from usmbench.sweep.observer import Standing
 from usmbench.sweep.rows import PairRow, WindowRow
 from usmbench.sweep.schedule import Dwell
 
@@ -78,7 +79,10 @@ class FreeBench:
         """Return that it is."""
         return True
 
-    def window(self, row: WindowRow, windows_left: int = 0) -> None:
+    def window(self, row: WindowRow, standing: Standing | None = None) -> None:
+        """Keep nothing."""
+
+    def settled(self, pair: PairRow) -> None:
         """Keep nothing."""
 
     def pair(self, row: PairRow) -> None:

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 from usmbench.cli.bench_session import SIMULATED, open_bench
+from usmbench.cli.live_panel import LivePanel
 from usmbench.cli.main import main
 from usmbench.cli.sweep_run import sweep_new
 from usmbench.errors import BenchError, InputError
@@ -14,7 +15,7 @@ from usmbench.runs.meta import read_meta
 from usmbench.runs.reader import read_run
 from usmbench.settings.plan_file import load_plan
 from usmbench.sweep.interrupts import deferred_interrupts
-from usmbench.sweep.progress import ProgressLine
+from usmbench.sweep.preflight import interlocks_of
 
 PLAN = "phase-sweep"
 # Two runs of one motor: the noise of the second is another one.
@@ -85,11 +86,11 @@ def _measure(folder: Path, seed: int) -> Path:
         deferred_interrupts(),
         open_bench(SIMULATED, testbed_arguments=arguments) as bench,
     ):
-        progress = ProgressLine(sys.stderr)
-        try:
-            sweep_new(bench, load_plan(PLAN), folder, meta={"seed": seed}, observer=progress)
-        finally:
-            progress.close()
+        plan = load_plan(PLAN)
+        with LivePanel(
+            sys.stderr, f"{PLAN} → {folder}", interlocks_of(plan, bench.settings)
+        ) as panel:
+            sweep_new(bench, plan, folder, meta={"seed": seed}, observer=panel)
     print(folder, flush=True)
     return folder
 

@@ -1,10 +1,12 @@
 """`usmbench replay --bench`: a run's commands driven again."""
 
 import argparse
+import sys
 from datetime import datetime
 from pathlib import Path
 
 from usmbench.cli.bench_session import Bench, open_bench
+from usmbench.cli.live_panel import LivePanel
 from usmbench.cli.recorded_commands import recorded_dwells
 from usmbench.cli.sweep_run import Job, measure, run_meta
 from usmbench.runs.reader import read_run
@@ -12,6 +14,7 @@ from usmbench.runs.record import Record
 from usmbench.runs.writer import RunWriter
 from usmbench.settings.bench import BenchSettings
 from usmbench.sweep.interrupts import deferred_interrupts
+from usmbench.sweep.observer import Observer
 from usmbench.sweep.preflight import check_dwells
 from usmbench.sweep.schedule import Dwell
 from usmbench.sweep.summary import WINDOWS_BEFORE, windows_after
@@ -37,12 +40,16 @@ def replay_on_bench(args: argparse.Namespace) -> int:
     record = read_run(args.recorded)
     folder = args.out or Path("runs") / f"{datetime.now():%Y%m%dT%H%M%S}-replay"
     with deferred_interrupts(), open_bench(args.bench) as bench:
-        drive_again(bench, record, folder)
+        title = f"replay of {record.name} → {folder}"
+        with LivePanel(sys.stderr, title, bench.settings.interlocks) as panel:
+            drive_again(bench, record, folder, observer=panel)
     print(folder)
     return 0
 
 
-def drive_again(bench: Bench, record: Record, folder: Path) -> None:
+def drive_again(
+    bench: Bench, record: Record, folder: Path, *, observer: Observer | None = None
+) -> None:
     """Drive a run's commands again, into a new run folder.
 
     Parameters
@@ -53,6 +60,8 @@ def drive_again(bench: Bench, record: Record, folder: Path) -> None:
         The run.
     folder
         The folder to make.
+    observer
+        Is told of every window and pair, or None.
 
     Raises
     ------
@@ -66,7 +75,8 @@ def drive_again(bench: Bench, record: Record, folder: Path) -> None:
     check_dwells(dwells, settings, board, record.name)
     head = run_meta(settings, board, replay_of=_identity(record))
     writer = RunWriter.create(folder, head, temperature=settings.temperature is not None, raw=False)
-    measure(bench, Job(dwells, _n_windows(dwells, settings), settings.interlocks), writer)
+    job = Job(dwells, _n_windows(dwells, settings), settings.interlocks)
+    measure(bench, job, writer, observer)
 
 
 def _identity(record: Record) -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from usmbench.cli.bench_session import SIMULATED, open_bench
+from usmbench.cli.live_panel import LivePanel
 from usmbench.cli.sweep_run import sweep_again, sweep_new
 from usmbench.errors import InputError
 from usmbench.runs.columns import RUN_FILE
@@ -20,7 +21,6 @@ from usmbench.settings.plan_file import load_plan, parse_plan, shipped_plans
 from usmbench.settings.yaml_source import Source
 from usmbench.sweep.interrupts import deferred_interrupts
 from usmbench.sweep.preflight import check_plan, interlocks_of
-from usmbench.sweep.progress import ProgressLine
 from usmbench.sweep.summary import describe
 
 RUNS_FOLDER = Path("runs")
@@ -114,23 +114,25 @@ def _drive(args: argparse.Namespace, bench: str | BenchSettings, plan: Plan, fol
         open_bench(bench, testbed_arguments=testbed, frame_log=log) as opened,
     ):
         interrupts.check()
-        with _shown(folder) as progress:
+        limits = interlocks_of(plan, opened.settings)
+        with (
+            _named_at_the_end(folder),
+            LivePanel(sys.stderr, f"{plan.name} → {folder}", limits) as panel,
+        ):
             if args.resume is not None:
-                sweep_again(opened, plan, folder, observer=progress)
+                sweep_again(opened, plan, folder, observer=panel)
             else:
                 meta = {} if args.seed is None else {"seed": args.seed}
-                sweep_new(opened, plan, folder, raw=args.raw, meta=meta, observer=progress)
+                sweep_new(opened, plan, folder, raw=args.raw, meta=meta, observer=panel)
     return 0
 
 
 @contextmanager
-def _shown(folder: Path) -> Iterator[ProgressLine]:
-    """Show the progress, and at the end, however it comes, where the rows are."""
-    progress = ProgressLine(sys.stderr)
+def _named_at_the_end(folder: Path) -> Iterator[None]:
+    """Print, however the sweep ends, where the rows are."""
     try:
-        yield progress
+        yield
     finally:
-        progress.close()
         if (folder / RUN_FILE).exists():
             print(folder, flush=True)
 

@@ -11,8 +11,9 @@ from usmbench.runs.writer import RunWriter
 from usmbench.settings.bench import BenchSettings, InterlockSettings
 from usmbench.settings.bench_file import bench_document
 from usmbench.settings.plan import Plan
-from usmbench.sweep.controller import Instruments, Observer, Start, SweepController
+from usmbench.sweep.controller import Instruments, Start, SweepController
 from usmbench.sweep.interrupts import deferred_interrupts
+from usmbench.sweep.observer import Observer
 from usmbench.sweep.preflight import check_plan, interlocks_of
 from usmbench.sweep.schedule import Dwell, schedule
 from usmbench.sweep.summary import n_windows
@@ -106,7 +107,7 @@ def measure(bench: Bench, job: Job, writer: RunWriter, observer: Observer | None
     writer
         The run folder.
     observer
-        Is told of every window, or None.
+        Is told of every window and pair, or None.
 
     Raises
     ------
@@ -163,7 +164,7 @@ def sweep_new(
     meta
         Further keys for run.yaml.
     observer
-        Is told of every window, or None.
+        Is told of every window and pair, or None.
 
     Raises
     ------
@@ -199,7 +200,7 @@ def sweep_again(
     folder
         The run folder.
     observer
-        Is told of every window, or None.
+        Is told of every window and pair, or None.
 
     Raises
     ------

@@ -3,7 +3,6 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import chain
-from typing import Protocol
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from usmbench.settings.bench import BenchSettings, InterlockSettings
 from usmbench.sweep.drive import CommandedDrive, DriveControl, Setting
 from usmbench.sweep.interlocks import STILL_COUNTS, InterlockState, Seen, watch
 from usmbench.sweep.interrupts import Interrupts, deferred_interrupts
+from usmbench.sweep.observer import Observer, Standing
 from usmbench.sweep.operator import Operator
 from usmbench.sweep.rows import PairRow, Sink, WindowRow
 from usmbench.sweep.schedule import Dwell
@@ -21,13 +21,6 @@ from usmbench.sweep.settling import Settling
 from usmbench.sweep.summary import WINDOWS_BEFORE, windows_after
 
 HEARTBEAT_S = 0.25
-
-
-class Observer(Protocol):
-    """Is told of every window; the progress line is one."""
-
-    def window(self, row: WindowRow, windows_left: int) -> None:
-        """Take one window and the number of windows that the plan still has."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +72,7 @@ class SweepController:
     sink
         Where windows and pairs go.
     observer
-        Is told of every window, or None.
+        Is told of every window and pair, or None.
     ask_operator
         Whether the operator is asked to set each load.
     start
@@ -187,10 +180,13 @@ class SweepController:
     def _set_load(self, torque_nm: float) -> None:
         """Have the load set, with the drive off; the windows go on meanwhile."""
         operator = self._instruments.operator
-        if self._ask_operator and self._torque_nm is not None:
-            self._commands.rest()
-        operator.set_load(torque_nm, ask=self._ask_operator)
         self._hands_off = False
+        if self._ask_operator:
+            if self._torque_nm is not None:
+                self._commands.rest()
+            # Who watches knows before the question is on the terminal.
+            self._window(None)
+        operator.set_load(torque_nm, ask=self._ask_operator)
         while not operator.load_is_set():
             self._window(None)
         self._hands_off = True
@@ -211,6 +207,8 @@ class SweepController:
             int(settling.n_settled > 0),
         )
         self._sink.pair(pair)
+        if self._observer is not None:
+            self._observer.settled(pair)
 
     def _window(self, settling: Settling | None) -> float:
         """Read, keep and watch one window; return its end."""
@@ -227,7 +225,8 @@ class SweepController:
         )
         self._commands.keep_alive(end_sample, self._heartbeat_samples)
         if self._observer is not None:
-            self._observer.window(row, self._windows_left)
+            standing = Standing(self._windows_left, self._interlocks, not self._hands_off)
+            self._observer.window(row, standing)
         return row.t_s
 
     def _row(

@@ -19,7 +19,8 @@ from usmbench.settings.bench import BenchSettings, TemperatureSettings
 from usmbench.settings.plan import Plan
 from usmbench.settings.plan_file import parse_plan
 from usmbench.settings.yaml_source import Source
-from usmbench.sweep.rows import WindowRow
+from usmbench.sweep.observer import Standing
+from usmbench.sweep.rows import PairRow, WindowRow
 
 SETTINGS = BenchSettings()
 
@@ -77,10 +78,13 @@ class StopAfter:
     def __init__(self, windows: int):
         self.left = windows
 
-    def window(self, row: WindowRow, windows_left: int) -> None:
+    def window(self, row: WindowRow, standing: Standing) -> None:
         self.left -= 1
         if self.left == 0:
             raise KeyboardInterrupt
+
+    def settled(self, pair: PairRow) -> None:
+        """Let every pair pass."""
 
 
 def test_a_sweep_gives_a_run_folder_as_the_contract_has_it(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from usmbench.instruments.samples import SampleBlock
 from usmbench.settings.bench import BenchSettings
 from usmbench.sweep.controller import Instruments
+from usmbench.sweep.observer import Standing
 from usmbench.sweep.rows import PairRow, WindowRow
 
 SAMPLE_RATE_HZ = 100_000.0
@@ -37,6 +38,8 @@ class FakeBench:
     windows: list[WindowRow] = field(default_factory=list)
     pairs: list[PairRow] = field(default_factory=list)
     left: list[int] = field(default_factory=list)
+    waiting: list[bool] = field(default_factory=list)
+    seen_pairs: list[PairRow] = field(default_factory=list)
     contact_samples: list[int] = field(default_factory=list)
     loads: list[tuple[float, bool]] = field(default_factory=list)
     on: bool = False
@@ -133,13 +136,18 @@ class FakeBench:
         return self.wait < 0
 
     # The sink and the observer.
-    def window(self, row: WindowRow, windows_left: int | None = None) -> None:
-        if windows_left is None:
+    def window(self, row: WindowRow, standing: Standing | None = None) -> None:
+        if standing is None:
             self.note("window")
             self.windows.append(row)
         else:
             self.note("progress")
-            self.left.append(windows_left)
+            self.left.append(standing.windows_left)
+            self.waiting.append(standing.waiting_for_load)
+
+    def settled(self, pair: PairRow) -> None:
+        self.note("settled")
+        self.seen_pairs.append(pair)
 
     def pair(self, row: PairRow) -> None:
         self.note("pair")

@@ -158,9 +158,11 @@ def test_the_operator_sets_each_load_with_the_drive_off(
 ) -> None:
     fake = make_fake(load_after_windows=70)
     plan = plan_of(torque_nm=[0, 0.1], load="operator", passes=[{"phase_deg": [90]}])
-    sweep(fake, bench_settings, plan)
+    sweep(fake, bench_settings, plan, observer=fake)
     assert fake.loads == [(0.0, True), (0.1, True)]
-    waiting = WINDOWS_BEFORE + 2 * 70 + AFTER
+    # One more each, so that who watches knows before the question is asked.
+    waiting = WINDOWS_BEFORE + 2 * 71 + AFTER
+    assert sum(fake.waiting) == 2 * 71
     assert sum(not row.drive_on for row in fake.windows) == waiting
     assert [pair.torque_nm for pair in fake.pairs] == [0.0, 0.1]
     assert np.max(np.diff(fake.contact_samples)) <= 26_000
@@ -176,6 +178,7 @@ def test_a_constant_load_is_told_but_not_asked_for(
 
 def test_windows_left_run_down_to_none(fake: Any, bench_settings: BenchSettings) -> None:
     sweep(fake, bench_settings, plan_of(), observer=fake)
+    assert fake.seen_pairs == fake.pairs
     assert fake.left[0] >= len(fake.windows) - WINDOWS_BEFORE
     dwelling = fake.left[WINDOWS_BEFORE : -AFTER or None]
     assert dwelling == sorted(dwelling, reverse=True)
