@@ -1,0 +1,221 @@
+"""One motor of the naming campaign: identify it, hide a cause, diagnose, keep what came out."""
+
+import json
+from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import asdict, dataclass, field, replace
+from io import StringIO
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.campaign_draws import Draw, Hidden
+from benchmarks.campaign_runs import PLANS, Excited, Measured, Motor, measure_all
+from hil_sim.defects import Defect
+from usmbench.cli.main import main as usmbench
+from usmbench.model.model_file import read_model
+from usmbench.model.replay import replay_record
+from usmbench.runs.reader import read_run
+from usmbench.runs.record import Record
+
+Array = NDArray[np.float64]
+
+_REFERENCES: Final = (*PLANS, PLANS[0])
+_REFERENCE_S: Final = 40.0
+_MOVING_RAD_S: Final = 0.5
+_FRESH = 5000
+
+
+@dataclass(slots=True)
+class Outcome:
+    """What came out of one draw; one line of the campaign's record.
+
+    Parameters
+    ----------
+    motor, number
+        Which draw.
+    hidden
+        What was hidden.
+    plan, duration_s, correlation_s, wander, wire
+        Under which conditions.
+    strength
+        Root mean square of what was hidden, in the speed, over the noise of a window.
+    verdict, named, alternatives, remainder
+        What diagnose said.
+    gain
+        The held-out gain that it claims; None where it names nothing.
+    oracle_gain
+        The gain of the identified model with the hidden effect, known exactly, added to it.
+    fresh_gain
+        The gain of the extended model on another run.
+    intervals
+        Parameters whose truth is known: name to truth, low, value, high.
+    error
+        What the command complained of, where it failed.
+    """
+
+    motor: int
+    number: int
+    hidden: Hidden
+    plan: str
+    duration_s: float
+    correlation_s: float
+    wander: float
+    wire: bool
+    strength: float = 0.0
+    verdict: str = ""
+    named: list[str] = field(default_factory=list)
+    alternatives: list[str] = field(default_factory=list)
+    gain: float | None = None
+    oracle_gain: float | None = None
+    fresh_gain: float | None = None
+    intervals: dict[str, list[float]] = field(default_factory=dict)
+    remainder: str = ""
+    error: str = ""
+
+    @property
+    def judgement(self) -> str:
+        """What the outcome is called in the table."""
+        if self.error:
+            return "error"
+        if not self.named:
+            return self.verdict
+        wanted, known = set(self.hidden.causes), {*self.named, *self.alternatives}
+        if self.hidden.group == "two":
+            if wanted <= known:
+                return "right" if wanted <= set(self.named) else "in the set"
+            return "one of two" if wanted & known else "wrong"
+        if self.named[0] in wanted:
+            return "right" if len(self.named) == 1 else "right, and more"
+        return "in the set" if wanted & known else "wrong"
+
+    def line(self) -> str:
+        """Return the record's line."""
+        return json.dumps({**asdict(self), "judgement": self.judgement}, ensure_ascii=False)
+
+
+class MotorBench:
+    """One motor and its model, identified on healthy runs.
+
+    Parameters
+    ----------
+    runs
+        Folder of the runs, which are driven where they are not there yet.
+    folder
+        Folder for models and results.
+    motor
+        The motor.
+    """
+
+    def __init__(self, runs: Path, folder: Path, motor: Motor):
+        self._runs, self._folder, self._motor = runs, folder, motor
+        self.model = folder / "model.yaml"
+        healthy = [
+            Measured(motor, Excited(kind, _REFERENCE_S, 900 + k), 900 + k)
+            for k, kind in enumerate(_REFERENCES)
+        ]
+        references = measure_all(runs, healthy)
+        self.noise_rad_s = self._noise(references[0], healthy[0].excited)
+        _command("identify", *references, "--out", self.model)
+
+    def _noise(self, reference: Path, excited: Excited) -> float:
+        """Noise of a window, from a run with the torque noise and one without."""
+        steady = replace(self._motor, wander=0.0)
+        noisy = Measured(steady, excited, 900).folder(self._runs) if self._motor.wander else None
+        speed = read_run(noisy or reference).speed_rad_s
+        noise = speed - self._quiet(excited, 0)
+        return 1.4826 * float(np.median(np.abs(noise[np.abs(speed) > _MOVING_RAD_S])))
+
+    def _quiet(self, excited: Excited, run_seed: int, defects: tuple[Defect, ...] = ()) -> Array:
+        """Speed without noise and wander."""
+        motor = replace(self._motor, quiet=True, wander=0.0)
+        return read_run(Measured(motor, excited, run_seed, defects).folder(self._runs)).speed_rad_s
+
+    def effect_rad_s(self, excited: Excited, run_seed: int, defects: tuple[Defect, ...]) -> Array:
+        """Return what defects change in the speed, free of noise, shape (N,)."""
+        return self._quiet(excited, run_seed, defects) - self._quiet(excited, 0)
+
+    def diagnosed(self, draw: Draw) -> Outcome:
+        """Hide, measure, diagnose."""
+        motor, excited, defects = self._motor, draw.excited, draw.hidden.made
+        outcome = Outcome(
+            motor.seed,
+            draw.number,
+            draw.hidden,
+            excited.kind,
+            excited.duration_s,
+            motor.noise_correlation_s,
+            motor.wander,
+            draw.wire,
+        )
+        run = Measured(motor, excited, draw.number, defects, draw.wire).folder(self._runs)
+        if defects:
+            effect = self.effect_rad_s(excited, draw.number, defects)
+            outcome.strength = float(np.sqrt(np.mean(effect**2))) / self.noise_rad_s
+            outcome.oracle_gain = self._oracle_gain(run, draw, effect)
+        found, extended = self._folder / "found.json", self._folder / "extended.yaml"
+        try:
+            words = ("--model", self.model, "--json", found, "--out", extended)
+            _command("diagnose", run, *words)
+        except RuntimeError as error:
+            outcome.error = str(error)
+            return outcome
+        _take(outcome, json.loads(found.read_text("utf-8")))
+        if outcome.named and defects:
+            outcome.fresh_gain = self._fresh_gain(draw, extended)
+        return outcome
+
+    def _oracle_gain(self, run: Path, draw: Draw, effect: Array) -> float:
+        """Gain of adding the effect as it truly is to the identified model."""
+        record = read_run(run)
+        error, inside = _error(self.model, record)
+        noise = record.speed_rad_s - self._quiet(draw.excited, draw.number, draw.hidden.made)
+        return _gain(error[inside], (error - effect)[inside], noise[inside])
+
+    def _fresh_gain(self, draw: Draw, extended: Path) -> float:
+        """Share of the mean square above the noise that the extension removes on another run."""
+        defects, day = draw.hidden.made, _FRESH + draw.number
+        excited = replace(draw.excited, seed=draw.excited.seed + _FRESH)
+        record = read_run(Measured(self._motor, excited, day, defects).folder(self._runs))
+        plain, inside = _error(self.model, record)
+        better, _ = _error(extended, record)
+        noise = record.speed_rad_s - self._quiet(excited, day, defects)
+        return _gain(plain[inside], better[inside], noise[inside])
+
+
+def _error(model: Path, record: Record) -> tuple[Array, NDArray[np.bool_]]:
+    """Error of a model's free run, and the rows inside the model's range."""
+    simulation = replay_record(record, read_model(model)).simulation
+    return record.speed_rad_s - simulation.speed_rad_s, simulation.inside
+
+
+def _gain(before: Array, after: Array, noise: Array) -> float:
+    """Share of the mean square above the noise that is gone."""
+    whole, left, floor = (float(np.mean(e**2)) for e in (before, after, noise))
+    return 1.0 - (left - floor) / max(whole - floor, 1e-12)
+
+
+def _take(outcome: Outcome, found: dict[str, Any]) -> None:
+    """Keep what the campaign counts of a diagnosis."""
+    outcome.verdict = found["verdict"]
+    outcome.named = [cause["name"] for cause in found["causes"]]
+    outcome.alternatives = [a for cause in found["causes"] for a in cause["alternatives"]]
+    outcome.gain = found["gain"] if found["causes"] else None
+    outcome.remainder = "" if found["remainder"] is None else found["remainder"]["versus"]
+    if not outcome.named or outcome.named[0] not in outcome.hidden.causes:
+        return
+    estimates = found["causes"][0]["parameters"]
+    for name, truth in outcome.hidden.truth.items():
+        if name in estimates:
+            e = estimates[name]
+            outcome.intervals[name] = [truth, e["low"], e["value"], e["high"]]
+
+
+def _command(*words: str | Path) -> None:
+    """Run a usmbench command in this process; raise what it complained of."""
+    complaint = StringIO()
+    with redirect_stdout(StringIO()), redirect_stderr(complaint):
+        status = usmbench([str(word) for word in words])
+    if status:
+        raise RuntimeError(complaint.getvalue().strip())

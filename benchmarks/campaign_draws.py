@@ -1,0 +1,170 @@
+"""Draws of the naming campaign: what is hidden in which motor, and how it is driven."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Final
+
+import numpy as np
+
+from benchmarks.campaign_runs import FREQUENCY_HZ, PLANS, Excited, Motor
+from hil_sim.defects import CATALOGUE, Defect, parse_defect
+from usmbench.model.effects.registry import library
+
+STRENGTHS = (0.3, 1.0, 3.0, 10.0)
+COLOURS_S = (0.003, 0.01, 0.03)
+LENGTHS_S = (15.0, 45.0)
+WANDERS = (0.0, 0.003, 0.01)
+GROUPS = (
+    *("single", "nothing", "single", "outside", "single", "two"),
+    *("single", "single", "nothing", "single", "outside", "two"),
+)
+_WITHOUT_SIZE: Final = "dead_direction"
+_COUNT_RAD_S: Final = 2.0 * math.pi / 2000.0 / 0.01
+
+TRUTHS: Final[dict[str, Callable[[float], dict[str, float]]]] = {
+    "amplifier_delay": lambda ns: {"offset_deg": -360.0 * FREQUENCY_HZ * 1e-9 * ns},
+    "command_queue": lambda ms: {"delay_s": 1e-3 * ms},
+    "other_code_wheel": lambda lines: {"scale_error": lines / 500.0},
+    "missing_phase_bits": lambda bits: {"step_deg": 360.0 / 4096.0 * 2.0**bits},
+    "spikes": lambda per_s: {"rate_hz": per_s, "size_rad_s": _COUNT_RAD_S},
+}
+"""Mechanisms whose size, converted, is a parameter of the cause in the library."""
+
+
+@dataclass(frozen=True, slots=True)
+class Hidden:
+    """What is hidden in one measured run.
+
+    Parameters
+    ----------
+    group
+        "single", "outside", "two" or "nothing".
+    defects
+        The mechanisms, as mechanism=size.
+    causes
+        The names that ought to come out.
+    strength
+        The strength aimed at, in noise of a window.
+    """
+
+    group: str
+    defects: tuple[str, ...] = ()
+    causes: tuple[str, ...] = ()
+    strength: float = 0.0
+
+    @property
+    def made(self) -> tuple[Defect, ...]:
+        """The mechanisms."""
+        return tuple(parse_defect(text) for text in self.defects)
+
+    @property
+    def truth(self) -> dict[str, float]:
+        """True parameters of the cause, where the mechanism has them in the library's units."""
+        if self.group != "single":
+            return {}
+        (defect,) = self.made
+        known = TRUTHS.get(defect.mechanism)
+        return {} if known is None else known(defect.size)
+
+
+@dataclass(frozen=True, slots=True)
+class Draw:
+    """One measured run of a campaign."""
+
+    number: int
+    hidden: Hidden
+    excited: Excited
+    wire: bool
+
+
+@cache
+def _pools() -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Mechanisms whose cause is in the library, and those whose cause is not."""
+    names = {effect.name for effect in library()}
+    inside = tuple(m for m, kind in CATALOGUE.items() if kind.cause in names)
+    return inside, tuple(m for m in CATALOGUE if m not in inside)
+
+
+def motor_of(seed: int, number: int, wanders: Sequence[float]) -> Motor:
+    """Return a motor of a campaign.
+
+    Parameters
+    ----------
+    seed
+        The campaign's.
+    number
+        The motor's number in it.
+    wanders
+        Run-to-run wanders that the motors take in turn.
+    """
+    rng = np.random.default_rng([seed, number, 7])
+    colour_s = float(rng.choice(COLOURS_S))
+    return Motor(1000 * seed + number, colour_s, wanders[number % len(wanders)])
+
+
+def draws(
+    seed: int, motor: int, n_draws: int, n_wire: int, strengths: Sequence[float]
+) -> Iterator[Draw]:
+    """Yield the draws of one motor; over the motors every mechanism comes equally often.
+
+    Parameters
+    ----------
+    seed
+        The campaign's.
+    motor
+        The motor's number in it.
+    n_draws
+        How many.
+    n_wire
+        How many of them go over the wire.
+    strengths
+        Sizes to draw from, in noise of a window.
+    """
+    rng = np.random.default_rng([seed, motor])
+    for k in range(n_draws):
+        turn = motor * n_draws + k
+        hidden = hide(GROUPS[turn % len(GROUPS)], turn, float(rng.choice(strengths)), rng)
+        kind = PLANS[int(rng.integers(len(PLANS)))]
+        duration_s = LENGTHS_S[int(rng.integers(len(LENGTHS_S)))]
+        yield Draw(k, hidden, Excited(kind, duration_s, 1000 + motor), k < n_wire)
+
+
+def hide(group: str, turn: int, strength: float, rng: np.random.Generator) -> Hidden:
+    """Draw what is hidden.
+
+    Parameters
+    ----------
+    group
+        "single", "outside", "two" or "nothing".
+    turn
+        Number of the draw in the campaign; successive ones go through the mechanisms.
+    strength
+        Size, in noise of a window.
+    rng
+        Where the rest comes from.
+    """
+    inside, outside = _pools()
+    if group == "nothing":
+        return Hidden(group)
+    if group == "two":
+        strength = max(strength, 1.0)
+        pool = [m for m in inside if m != _WITHOUT_SIZE]
+        first = str(rng.choice(pool))
+        names = [
+            first,
+            str(rng.choice([m for m in pool if CATALOGUE[m].cause != CATALOGUE[first].cause])),
+        ]
+    else:
+        mechanisms = inside if group == "single" else outside
+        names = [mechanisms[_turn_in_group(group, turn) % len(mechanisms)]]
+    made = [CATALOGUE[name].of_strength(strength, rng) for name in names]
+    causes = () if group == "outside" else tuple(d.cause for d in made)
+    return Hidden(group, tuple(f"{d.mechanism}={float(d.size)!r}" for d in made), causes, strength)
+
+
+def _turn_in_group(group: str, turn: int) -> int:
+    """How many draws of the group came before."""
+    cycles, place = divmod(turn, len(GROUPS))
+    return cycles * GROUPS.count(group) + GROUPS[:place].count(group)

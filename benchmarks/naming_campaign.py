@@ -1,0 +1,142 @@
+"""Hide a cause in a motor, drive the sweep, diagnose the run folder, and count what is named.
+
+    python benchmarks/naming_campaign.py [--motors 30] [--draws 12] [--seed 1] [--small]
+
+Every draw is fixed by the seeds. The diagnosis sees run folders and a model identified from the
+healthy motor's reference runs, nothing else. `--runs DIR` keeps the run folders, and takes those
+that are there already; `--out FILE` keeps the record, `--table FILE` prints it again.
+"""
+
+import argparse
+import json
+import multiprocessing
+import sys
+import tempfile
+import time
+import traceback
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from benchmarks.campaign_bench import MotorBench
+from benchmarks.campaign_draws import STRENGTHS, WANDERS, draws, motor_of
+from benchmarks.campaign_tables import Row, report, wrong_ones
+from usmbench.errors import UsmbenchError
+
+
+@dataclass(frozen=True, slots=True)
+class Campaign:
+    """What every motor of a campaign shares.
+
+    Parameters
+    ----------
+    seed
+        Seed of everything.
+    n_draws, n_wire
+        Draws of a motor, and how many of them go over the wire.
+    wanders
+        Run-to-run wanders that the motors take in turn.
+    strengths
+        Sizes to draw from, in noise of a window.
+    runs
+        Folder of the runs; None keeps none.
+    """
+
+    seed: int
+    n_draws: int
+    n_wire: int
+    wanders: tuple[float, ...] = WANDERS
+    strengths: tuple[float, ...] = STRENGTHS
+    runs: Path | None = None
+
+
+def work(campaign: Campaign, number: int) -> list[str]:
+    """Identify one motor and diagnose its draws; return the record's lines."""
+    motor = motor_of(campaign.seed, number, campaign.wanders)
+    lines: list[str] = []
+    with tempfile.TemporaryDirectory() as folder:
+        runs = campaign.runs or Path(folder) / "runs"
+        runs.mkdir(exist_ok=True)
+        try:
+            bench = MotorBench(runs, Path(folder), motor)
+            drawn = draws(
+                campaign.seed, number, campaign.n_draws, campaign.n_wire, campaign.strengths
+            )
+            lines.extend(bench.diagnosed(draw).line() for draw in drawn)
+        except (UsmbenchError, RuntimeError, ArithmeticError, ValueError):
+            # One broken motor must not end an hour's campaign; the table counts its draws as gone.
+            traceback.print_exc()
+    return lines
+
+
+def run(campaign: Campaign, n_motors: int, processes: int, minutes: float) -> Iterator[str]:
+    """Yield the record, motor by motor, until all are done or the time is over."""
+    ends_s = time.monotonic() + 60.0 * minutes
+    if processes == 1:
+        for number in range(n_motors):
+            yield from work(campaign, number)
+            if time.monotonic() > ends_s:
+                return
+        return
+    context = multiprocessing.get_context("spawn")
+    with context.Pool(processes, maxtasksperchild=4) as pool:
+        for lines in pool.imap_unordered(partial(work, campaign), range(n_motors)):
+            yield from lines
+            if time.monotonic() > ends_s:
+                return
+
+
+def main(argv: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--motors", type=int, default=30)
+    parser.add_argument("--draws", type=int, default=12, help="draws of each motor")
+    parser.add_argument("--through-wire", type=int, default=1, help="draws a motor over pty, gRPC")
+    parser.add_argument("--wanders", type=float, nargs="+", default=list(WANDERS))
+    parser.add_argument("--strengths", type=float, nargs="+", default=list(STRENGTHS))
+    parser.add_argument("--minutes", type=float, default=120.0, help="no new motor after that")
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--runs", type=Path, help="folder that keeps the runs")
+    parser.add_argument("--out", type=Path, help="write one JSON object a draw to this file")
+    parser.add_argument("--wrong", action="store_true", help="list what came out wrong, too")
+    parser.add_argument("--small", action="store_true", help="one motor, three draws")
+    parser.add_argument("--table", type=Path, help="print the tables of a record, drive nothing")
+    arguments = parser.parse_args(argv)
+    if arguments.table is not None:
+        rows = [json.loads(line) for line in arguments.table.read_text("utf-8").splitlines()]
+    else:
+        rows = _driven(arguments)
+    report(rows)
+    if arguments.wrong:
+        wrong_ones(rows)
+    return 0 if rows else 1
+
+
+def _driven(arguments: argparse.Namespace) -> list[Row]:
+    """Run the campaign and keep its record."""
+    n_motors, n_draws, processes = arguments.motors, arguments.draws, arguments.processes
+    if arguments.small:
+        n_motors, n_draws, processes = 1, 3, 1
+    campaign = Campaign(
+        arguments.seed,
+        n_draws,
+        arguments.through_wire,
+        tuple(arguments.wanders),
+        tuple(arguments.strengths),
+        arguments.runs,
+    )
+    lines = []
+    with tempfile.NamedTemporaryFile("w") as nowhere:
+        kept = arguments.out or Path(nowhere.name)
+        with kept.open("w", encoding="utf-8") as record:
+            for line in run(campaign, n_motors, processes, arguments.minutes):
+                lines.append(line)
+                print(line, file=record, flush=True)
+    return [json.loads(line) for line in lines]
+
+
+if __name__ == "__main__":
+    sys.exit(main())
