@@ -20,6 +20,7 @@ COMMANDS = {
     "replay": "a run's commands through a model, or through a bench again",
     "diagnose": "what the simulation gets wrong, why, and what it gains to know",
     "runs": "list what was measured, find it, check its data",
+    "doctor": "walk through a bench: what each part says, and what to do about it",
     "demo": "all of it on the simulated testbed",
 }
 

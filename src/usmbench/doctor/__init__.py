@@ -1,0 +1,1 @@
+"""What `usmbench doctor` looks at, from the serial port to the counts of a revolution."""
