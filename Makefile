@@ -5,7 +5,7 @@ BIN    := $(VENV)/bin
 # Two cores are what CI has; BLAS threads on top of our own processes only get in each other's way.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test lint bench clean
+.PHONY: demo test firmware lint clean
 
 $(VENV)/.run: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit("usmbench needs Python 3.11 or later; set PYTHON=... to one") if sys.version_info < (3, 11) else None'
@@ -20,8 +20,16 @@ $(VENV)/.dev: $(VENV)/.run
 demo: $(VENV)/.run
 	$(BIN)/usmbench demo --out demo
 
-test: $(VENV)/.dev
+test: $(VENV)/.dev firmware
 	$(BIN)/python -m pytest
+
+# The image that is flashed is tested too, wherever its tools are or can be had.
+firmware: $(VENV)/.dev
+	@if sh firmware/tools.sh; then \
+	  $(MAKE) --no-print-directory -C firmware PYTHON='$(abspath $(BIN))/python'; \
+	else \
+	  echo "without them the tests hold only the emulated board to the protocol" >&2; \
+	fi
 
 lint: $(VENV)/.dev
 	$(BIN)/ruff check .

@@ -7,9 +7,14 @@ present() {
 } >/dev/null 2>&1
 
 present && exit 0
-if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
-    { apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install -y $packages; } >&2
+root=
+[ "$(id -u)" = 0 ] || root="sudo -n"
+if command -v apt-get >/dev/null && $root true 2>/dev/null; then
+    echo "installing $packages" >&2
+    $root apt-get -qq update >&2 &&
+        $root env DEBIAN_FRONTEND=noninteractive \
+            timeout 600 apt-get -qq install -y --no-install-recommends $packages >/dev/null
 fi
 present && exit 0
-echo "the firmware needs gputils and gpsim: on Debian, apt-get install $packages" >&2
+echo "the firmware needs gputils and gpsim; on Debian: apt-get install $packages" >&2
 exit 1
