@@ -23,6 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--model", required=True, type=Path, metavar="MODEL.yaml")
     parser.add_argument("--out", type=Path, metavar="EXTENDED.yaml", help="the extended model")
     parser.add_argument("--json", metavar="FILE", help="result as JSON; - is standard output")
+    parser.add_argument("--report", type=Path, metavar="FILE.html", help="a page that shows it all")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -39,11 +40,16 @@ def run(args: argparse.Namespace) -> int:
         A run or the model will not do.
     """
     model = read_model(args.model)
-    result = diagnose([read_run(path) for path in args.runs], model)
+    records = [read_run(path) for path in args.runs]
+    result = diagnose(records, model)
     for warning in result.warnings:
         print(f"usmbench: warning: {warning}", file=sys.stderr)
     if args.out is not None:
         write_model(args.out, result.extended)
+    if args.report is not None:
+        from usmbench.report.diagnosis_page import write_diagnosis_page
+
+        write_diagnosis_page(args.report, result, records, model, args.model)
     if args.json:
         write_json(args.json, result.to_json())
     if args.json != "-":

@@ -1,0 +1,264 @@
+"""The page that ``diagnose --report`` writes: one HTML file that needs nothing else."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+from usmbench.diagnose.result import Diagnosis, Trace, View
+from usmbench.errors import InputError
+from usmbench.model.hammerstein import HammersteinModel
+from usmbench.report.diagnosis_figures import legend, trace_figure, view_figure
+from usmbench.report.diagnosis_style import STYLE
+from usmbench.report.diagnosis_tables import (
+    candidates_table,
+    causes_section,
+    detectable_table,
+    files_table,
+    fitted_on,
+    plan_text,
+    runs_table,
+)
+from usmbench.report.diagnosis_text import (
+    escaped,
+    headline,
+    number,
+    percent,
+    probability_of,
+    times,
+    verdict_sentence,
+)
+from usmbench.runs.columns import WINDOWS_FILE
+from usmbench.runs.meta import sha256_of
+from usmbench.runs.record import Record
+
+_MOST_TRACES = 6
+# The page must not fetch anything, whatever a hostile name should smuggle into it.
+_POLICY = "default-src 'none'; style-src 'unsafe-inline'"
+
+
+def write_diagnosis_page(
+    path: Path,
+    diagnosis: Diagnosis,
+    records: Sequence[Record],
+    model: HammersteinModel,
+    model_file: Path,
+) -> None:
+    """Write the page.
+
+    Parameters
+    ----------
+    path
+        The file; an existing one is replaced.
+    diagnosis
+        What was found.
+    records
+        The runs that were diagnosed.
+    model
+        The model they were held against.
+    model_file
+        Where it was read from.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        The file cannot be written.
+    """
+    files = [model_file, *(_windows_of(Path(record.name)) for record in records)]
+    sums = {str(file): sha256_of(file) for file in files}
+    page = diagnosis_page(diagnosis, records, model, sums)
+    try:
+        path.write_text(page, encoding="utf-8")
+    except OSError as error:
+        raise InputError(
+            f"cannot be written ({error.strerror}); give --report a file in a folder that exists",
+            file=path,
+        ) from error
+
+
+def _windows_of(run: Path) -> Path:
+    """Return the file that was read of a run."""
+    return run / WINDOWS_FILE if run.is_dir() else run
+
+
+def diagnosis_page(
+    diagnosis: Diagnosis,
+    records: Sequence[Record],
+    model: HammersteinModel,
+    sums: Mapping[str, str],
+) -> str:
+    """Return the page.
+
+    Parameters
+    ----------
+    diagnosis
+        What was found.
+    records
+        The runs that were diagnosed.
+    model
+        The model they were held against.
+    sums
+        SHA-256 of every file that was read, by its name.
+    """
+    body = "\n".join(_sections(diagnosis, records, model, sums))
+    return (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>Diagnosis: {escaped(headline(diagnosis))}</title>\n"
+        f"<style>{STYLE}</style>\n</head>\n<body>\n<main>\n{body}\n</main>\n</body>\n</html>\n"
+    )
+
+
+def _sections(
+    diagnosis: Diagnosis,
+    records: Sequence[Record],
+    model: HammersteinModel,
+    sums: Mapping[str, str],
+) -> Iterator[str]:
+    """Yield the page's parts from top to bottom."""
+    motors = list(dict.fromkeys(str(r.meta["motor"]) for r in records if r.meta.get("motor")))
+    of = f" of {escaped(', '.join(motors))}" if motors else ""
+    yield f"<h1>usmbench diagnosis{of}</h1>"
+    yield (
+        f'<div class="verdict {diagnosis.verdict}"><strong>{escaped(headline(diagnosis))}</strong>'
+        f"<p>{escaped(verdict_sentence(diagnosis))}</p></div>"
+    )
+    yield _figures(diagnosis)
+    for warning in diagnosis.warnings:
+        yield f'<p class="warning">{escaped(warning)}</p>'
+    yield _traces(diagnosis)
+    yield _views(diagnosis)
+    yield _evidence(diagnosis)
+    yield causes_section(diagnosis)
+    yield _left(diagnosis)
+    yield _next(diagnosis)
+    yield detectable_table(diagnosis)
+    yield f'<h2 id="data">What was held against what</h2>{runs_table(records)}'
+    yield fitted_on(model)
+    yield files_table(sums)
+
+
+def _figures(diagnosis: Diagnosis) -> str:
+    """Show the figures to remember."""
+    entries = [
+        (
+            "Error of the simulation",
+            f"{number(diagnosis.rmse_simulation_rad_s)} rad/s",
+            "root mean square, free-running",
+        ),
+        ("Noise of the bench", f"{number(diagnosis.noise_floor_rad_s)} rad/s", "no model can beat"),
+    ]
+    if diagnosis.causes:
+        interval = f"{percent(diagnosis.gain_low)} … {percent(diagnosis.gain_high)}"
+        extended = f"{number(diagnosis.rmse_extended_rad_s)} rad/s"
+        entries[1:1] = [("Error with the cause in it", extended, "on data the fit never saw")]
+        entries.append(
+            ("Gain", percent(diagnosis.gain), f"{interval}, of the error above the noise")
+        )
+    cells = "".join(
+        f"<div><dt>{name}</dt><dd>{value}<small>{note}</small></dd></div>"
+        for name, value, note in entries
+    )
+    return f'<dl class="figures">{cells}</dl>'
+
+
+def _traces(diagnosis: Diagnosis) -> str:
+    """Show the runs, measured against simulated."""
+    extended = bool(diagnosis.causes)
+    entries = [("measured", "measured"), ("before", "simulation")]
+    if extended:
+        entries.append(("after", "simulation with the cause in it"))
+    shown = diagnosis.traces[:_MOST_TRACES]
+    figures = "".join(_trace(trace, extended=extended) for trace in shown)
+    more = len(diagnosis.traces) - len(shown)
+    rest = f'<p class="note">{more} more stretches are not drawn.</p>' if more else ""
+    return (
+        '<h2 id="runs">Measured against simulated</h2>'
+        '<p class="how">Above, the speed; below, what each simulation leaves of it. The '
+        "simulation runs free: it is given the commands and never the measured speed. Below, "
+        "the simulation is broad and pale, with the cause in it thin; what lies beyond "
+        "the axis is drawn at its edge.</p>"
+        f"{legend(*entries)}{figures}{rest}"
+    )
+
+
+def _trace(trace: Trace, *, extended: bool) -> str:
+    figure = trace_figure(trace, extended=extended)
+    return f"<figure><figcaption>{escaped(trace.name)}</figcaption>{figure}</figure>"
+
+
+def _views(diagnosis: Diagnosis) -> str:
+    """Show the residual against each quantity, the farthest out first."""
+    extended = bool(diagnosis.causes)
+    entries = [("band", "band of a run that is as simulated"), ("before marked", "simulation")]
+    if extended:
+        entries.append(("after marked", "simulation with the cause in it"))
+    figures = []
+    for view in diagnosis.views:
+        beyond = f"{times(view.excess_before)} its band"
+        if extended:
+            beyond += f", with the cause {times(view.excess_after)}"
+        figures.append(
+            f"<figure><figcaption><b>Against {escaped(view.versus)}</b>: {beyond}"
+            f"{_remark(view)}</figcaption>"
+            f"{view_figure(view, extended=extended)}</figure>"
+        )
+    return (
+        '<h2 id="views">What gave it away</h2>'
+        '<p class="how">Measured less simulated speed, averaged. Noise alone keeps all points of '
+        "a figure within its grey band in 95 of 100 runs; 1 × is at the band's edge. The figure "
+        f'that leaves its band farthest comes first.</p>{legend(*entries)}<div class="views">'
+        f"{''.join(figures)}</div>"
+    )
+
+
+def _remark(view: View) -> str:
+    """Say what the axis has no room for."""
+    remark = view.label.partition(", ")[2]
+    return f" <span>({escaped(remark)})</span>" if remark else ""
+
+
+def _evidence(diagnosis: Diagnosis) -> str:
+    """Show the cause against its rivals."""
+    refused = "".join(
+        f"<li>{escaped(name.replace('_', ' '))}: {escaped(why)}</li>"
+        for name, why in diagnosis.not_testable
+    )
+    untested = f"<h3>Not testable with these runs</h3><ul>{refused}</ul>" if refused else ""
+    return (
+        '<h2 id="evidence">Evidence, cause by cause</h2>'
+        '<p class="how">Each cause of the library, fitted alone. Evidence is the drop of the '
+        "whitened sum of squares; p is the probability that the whole library would show as much "
+        f"where nothing is wrong.</p>{candidates_table(diagnosis)}{untested}"
+    )
+
+
+def _left(diagnosis: Diagnosis) -> str:
+    """Say what remains."""
+    if diagnosis.remainder is not None:
+        says = f"Something is left: {diagnosis.remainder.says}."
+    elif diagnosis.verdict == "no_discrepancy":
+        says = "There was nothing to explain."
+    else:
+        says = "What is left over cannot be told from the bench's noise."
+    return f'<h2 id="remainder">What is left</h2><p>{escaped(says)}</p>'
+
+
+def _next(diagnosis: Diagnosis) -> str:
+    """Show the experiment that would decide."""
+    proposal = diagnosis.next_experiment
+    if proposal is None:
+        says = "None is proposed: there are no causes left that a sweep would tell apart."
+        return f'<h2 id="next">The next experiment</h2><p>{says}</p>'
+    odds = ""
+    if "odds_before" in proposal:
+        before, after = (probability_of(proposal[key]) for key in ("odds_before", "odds_after"))
+        odds = (
+            f"<p>Odds of naming the right one: <b>{before}</b> with these runs, "
+            f"<b>{after}</b> with that sweep.</p>"
+        )
+    return (
+        f'<h2 id="next">The next experiment</h2><p>{escaped(proposal["says"])}</p>{odds}'
+        "<p>Save this as <code>next.yaml</code> and run <code>usmbench sweep next.yaml --bench "
+        f"BENCH.yaml</code>; then diagnose the new run together with these.</p>"
+        f"<pre>{plan_text(proposal['plan'])}</pre>"
+    )

@@ -1,0 +1,213 @@
+"""The page that diagnose writes: whole, self-contained, and nothing out of a file is markup."""
+
+import hashlib
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from usmbench.diagnose.result import Diagnosis
+from usmbench.errors import InputError
+from usmbench.model.hammerstein import HammersteinModel
+from usmbench.report.diagnosis_page import diagnosis_page, write_diagnosis_page
+from usmbench.report.diagnosis_text import HEADLINES
+from usmbench.runs.record import Record
+
+Make = Callable[..., Diagnosis]
+HOSTILE = "\"'><script>alert(1)</script><img src=x onerror=alert(2)>]]>&amp;\u202e\x00\ud800"
+
+
+class Reader(HTMLParser):
+    """Keeps what the page is made of, and refuses tags that do not close."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.text = ""
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+        if tag != "meta":
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+
+
+def read(page: str) -> Reader:
+    reader = Reader()
+    reader.feed(page)
+    reader.close()
+    assert not reader.open
+    return reader
+
+
+@pytest.fixture
+def show(record: Record, model: HammersteinModel) -> Callable[[Diagnosis], str]:
+    return lambda diagnosis: diagnosis_page(diagnosis, [record], model, {"model.yaml": "ab" * 32})
+
+
+def test_the_page_says_everything_once(
+    make_diagnosis: Make, show: Callable[[Diagnosis], str]
+) -> None:
+    text = read(show(make_diagnosis())).text
+    for said in (
+        "The cause was found",
+        "either transport delay (delay 0.0053\N{NO-BREAK SPACE}s) or dead zone hysteresis",
+        "0.0053\N{NO-BREAK SPACE}s (0.0046 … 0.0061\N{NO-BREAK SPACE}s)",
+        "80 %",
+        "70 % … 90 %",
+        "Time a command.",
+        "thermal drift: the run is too short",
+        "Something is left: the residual changes over the run.",
+        "Odds of naming the right one: 55 % with these runs, more than 99 % with that sweep.",
+        "frequency_hz: 41000",
+        "0.2\N{NO-BREAK SPACE}%",
+        "ab" * 32,
+        "identified on",
+    ):
+        assert text.count(said) >= 1, said
+    assert text.count("speed (rad/s)") == 2  # the wide and the narrow drawing
+
+
+def test_it_needs_nothing_from_outside(
+    make_diagnosis: Make, show: Callable[[Diagnosis], str]
+) -> None:
+    page = show(make_diagnosis())
+    reader = read(page)
+    assert not re.search(r"https?:|url\(|@import|//", page)
+    for tag, attributes in reader.tags:
+        assert tag not in {"script", "link", "img", "iframe", "object", "use", "image", "a"}
+        assert not {"src", "href", "xlink:href"} & set(attributes)
+    policy = [a["content"] for t, a in reader.tags if a.get("http-equiv")]
+    assert policy == ["default-src 'none'; style-src 'unsafe-inline'"]
+
+
+def test_every_axis_names_quantity_and_unit(
+    make_diagnosis: Make, show: Callable[[Diagnosis], str]
+) -> None:
+    labels = re.findall(r'<text class="axis"[^>]*>([^<]*)</text>', show(make_diagnosis()))
+    assert set(labels) == {
+        "speed (rad/s)",
+        "residual (rad/s)",
+        "time (s)",
+        "mean residual (rad/s)",
+        "windows after a step of φ",
+    }
+
+
+def test_no_text_leaves_its_drawing(make_diagnosis: Make, show: Callable[[Diagnosis], str]) -> None:
+    page = show(make_diagnosis())
+    drawings = list(re.finditer(r'<svg class="\w+" viewBox="0 0 (\d+) (\d+)".*?</svg>', page))
+    assert len(drawings) == 3
+    for drawing in drawings:
+        width = float(drawing[1])
+        for x, label in re.findall(
+            r'<text class="axis" x="([\d.]+)" y="[\d.]+">([^<]*)<', drawing[0]
+        ):
+            half = 0.5 * 6.6 * len(label)
+            assert half <= float(x) <= width - half, label
+
+
+@pytest.mark.parametrize("verdict", list(HEADLINES))
+def test_each_verdict_has_its_words(
+    verdict: str, make_diagnosis: Make, show: Callable[[Diagnosis], str]
+) -> None:
+    nothing = {"causes": (), "next_experiment": None, "remainder": None}
+    named = verdict in ("explained", "partly_explained")
+    text = read(show(make_diagnosis(verdict=verdict, **({} if named else nothing)))).text
+    assert HEADLINES[verdict] in text
+    assert ("simulation with the cause in it" in text) == named
+    assert ("do not take anything apart" in text) == (verdict == "unexplained")
+
+
+def hostile(diagnosis: Diagnosis) -> Diagnosis:
+    cause = diagnosis.causes[0]
+    estimate = replace(cause.parameters[0], name=HOSTILE, unit=HOSTILE)
+    spoilt: dict[str, Any] = dict.fromkeys(("name", "form", "meaning", "mend"), HOSTILE)
+    candidate = replace(diagnosis.candidates[0], name=HOSTILE, form=HOSTILE)
+    return replace(
+        diagnosis,
+        causes=(replace(cause, **spoilt, alternatives=(HOSTILE,), parameters=(estimate,)),),
+        candidates=(replace(candidate, parameters=(estimate,)),),
+        not_testable=((HOSTILE, HOSTILE),),
+        remainder=replace(diagnosis.remainder, says=HOSTILE),  # type: ignore[type-var]
+        minimum_detectable=(
+            replace(diagnosis.minimum_detectable[0], cause=HOSTILE, parameter=HOSTILE),
+        ),
+        views=(replace(diagnosis.views[0], versus=HOSTILE, label=HOSTILE),),
+        traces=(replace(diagnosis.traces[0], name=HOSTILE),),
+        warnings=(HOSTILE,),
+        next_experiment={"says": HOSTILE, "plan": {"name": HOSTILE}},
+    )
+
+
+def test_nothing_out_of_a_file_is_markup(
+    make_diagnosis: Make, record: Record, model: HammersteinModel
+) -> None:
+    meta = {"motor": HOSTILE, "id": HOSTILE, "started": HOSTILE}
+    extra: dict[str, Any] = {HOSTILE: np.zeros(400)}
+    run = replace(record, name=HOSTILE, meta=meta, extra=extra)
+    spoilt = replace(
+        model, method=HOSTILE, fitted_on=({HOSTILE: HOSTILE},), effects=({"name": HOSTILE},)
+    )
+    page = diagnosis_page(hostile(make_diagnosis()), [run], spoilt, {HOSTILE: HOSTILE})
+    reader = read(page)
+    assert not {tag for tag, _ in reader.tags} & {"script", "img"}
+    assert all(not name.startswith("on") for _, attributes in reader.tags for name in attributes)
+    assert "\u202e" not in page
+    assert "\x00" not in page
+    page.encode("utf-8")
+    assert "<script>alert(1)</script>" in reader.text  # shown as what it is
+
+
+def test_a_run_without_numbers_in_places_is_still_drawn(
+    make_diagnosis: Make, show: Callable[[Diagnosis], str]
+) -> None:
+    diagnosis = make_diagnosis()
+    holes = np.where(np.arange(400) % 7 == 0, np.nan, diagnosis.traces[0].measured_rad_s)
+    page = show(replace(diagnosis, traces=(replace(diagnosis.traces[0], measured_rad_s=holes),)))
+    assert "nan" not in re.sub("<style>.*</style>", "", page, flags=re.DOTALL)
+
+
+def test_the_file_carries_the_sums_of_what_was_read(
+    tmp_path: Path, make_diagnosis: Make, record: Record, model: HammersteinModel
+) -> None:
+    run, model_file = tmp_path / "run", tmp_path / "model.yaml"
+    run.mkdir()
+    (run / "windows.csv").write_text("t_s\n")
+    model_file.write_text("format: x\n")
+    page = tmp_path / "report.html"
+    write_diagnosis_page(
+        page, make_diagnosis(), [replace(record, name=str(run))], model, model_file
+    )
+    text = page.read_text("utf-8")
+    for file in (run / "windows.csv", model_file):
+        assert hashlib.sha256(file.read_bytes()).hexdigest() in text
+
+
+def test_a_file_that_cannot_be_written_is_said_in_one_line(
+    tmp_path: Path, make_diagnosis: Make, record: Record, model: HammersteinModel
+) -> None:
+    csv = tmp_path / "run.csv"
+    csv.write_text("t_s\n")
+    with pytest.raises(InputError, match="give --report a file"):
+        write_diagnosis_page(
+            tmp_path / "absent" / "report.html",
+            make_diagnosis(),
+            [replace(record, name=str(csv))],
+            model,
+            csv,
+        )
