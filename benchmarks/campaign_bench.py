@@ -24,7 +24,8 @@ Array = NDArray[np.float64]
 _REFERENCES: Final = (*PLANS, PLANS[0])
 _REFERENCE_S: Final = 40.0
 _MOVING_RAD_S: Final = 0.5
-_FRESH = 5000
+_FRESH: Final = 5000
+_FRESH_EVERY: Final = 3  # a fresh run costs as much as the draw itself
 
 
 @dataclass(slots=True)
@@ -162,7 +163,7 @@ class MotorBench:
             outcome.error = str(error)
             return outcome
         _take(outcome, json.loads(found.read_text("utf-8")))
-        if outcome.named and defects:
+        if outcome.named and defects and draw.number % _FRESH_EVERY == 0:
             outcome.fresh_gain = self._fresh_gain(draw, extended)
         return outcome
 

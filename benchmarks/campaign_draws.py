@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
 from typing import Final
 
 import numpy as np
@@ -20,7 +19,10 @@ GROUPS = (
     *("single", "nothing", "single", "outside", "single", "two"),
     *("single", "single", "nothing", "single", "outside", "two"),
 )
-_WITHOUT_SIZE: Final = "dead_direction"
+_KNOWN: Final = tuple(m for m, kind in CATALOGUE.items() if kind.cause)
+_NAMELESS: Final = tuple(m for m in CATALOGUE if m not in _KNOWN)
+# Mechanisms of which any two can be told apart in principle, each of a size that can be drawn.
+_PAIRED: Final = _KNOWN[: _KNOWN.index("dead_direction")]
 _COUNT_RAD_S: Final = 2.0 * math.pi / 2000.0 / 0.01
 
 TRUTHS: Final[dict[str, Callable[[float], dict[str, float]]]] = {
@@ -77,14 +79,6 @@ class Draw:
     hidden: Hidden
     excited: Excited
     wire: bool
-
-
-@cache
-def _pools() -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Mechanisms whose cause is in the library, and those whose cause is not."""
-    names = {effect.name for effect in library()}
-    inside = tuple(m for m, kind in CATALOGUE.items() if kind.cause in names)
-    return inside, tuple(m for m in CATALOGUE if m not in inside)
 
 
 def motor_of(seed: int, number: int, wanders: Sequence[float]) -> Motor:
@@ -145,22 +139,20 @@ def hide(group: str, turn: int, strength: float, rng: np.random.Generator) -> Hi
     rng
         Where the rest comes from.
     """
-    inside, outside = _pools()
     if group == "nothing":
         return Hidden(group)
     if group == "two":
         strength = max(strength, 1.0)
-        pool = [m for m in inside if m != _WITHOUT_SIZE]
-        first = str(rng.choice(pool))
-        names = [
-            first,
-            str(rng.choice([m for m in pool if CATALOGUE[m].cause != CATALOGUE[first].cause])),
-        ]
+        first = str(rng.choice(_PAIRED))
+        others = [m for m in _PAIRED if CATALOGUE[m].cause != CATALOGUE[first].cause]
+        names = [first, str(rng.choice(others))]
     else:
-        mechanisms = inside if group == "single" else outside
+        mechanisms = _KNOWN if group == "single" else _NAMELESS
         names = [mechanisms[_turn_in_group(group, turn) % len(mechanisms)]]
     made = [CATALOGUE[name].of_strength(strength, rng) for name in names]
-    causes = () if group == "outside" else tuple(d.cause for d in made)
+    causes = tuple(d.cause for d in made if d.cause)
+    if not {effect.name for effect in library()} >= set(causes):
+        group, causes = "outside", ()
     return Hidden(group, tuple(f"{d.mechanism}={float(d.size)!r}" for d in made), causes, strength)
 
 
