@@ -17,6 +17,7 @@ STOPPED_BY_USER = 130
 COMMANDS = {
     "sweep": "drive the testbed through a plan and write a run folder",
     "identify": "from runs to a model of the motor",
+    "watch": "the live page of a run, with a button that stops it",
     "replay": "a run's commands through a model, or through a bench again",
     "diagnose": "what the simulation gets wrong, why, and what it gains to know",
     "runs": "list what was measured, find it, check its data",
@@ -84,8 +85,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         notes = getattr(error, "__notes__", [])
         print(printable("; ".join([f"usmbench: {error}", *notes])), file=sys.stderr)
         return error.exit_status
-    except KeyboardInterrupt:
-        print("usmbench: stopped by the user", file=sys.stderr)
+    except KeyboardInterrupt as wish:
+        # Who stopped it, where that was not Ctrl-C.
+        print(f"usmbench: {str(wish) or 'stopped by the user'}", file=sys.stderr)
         return STOPPED_BY_USER
     except BrokenPipeError:
         # The reader of our output has gone (a pager that was quit): nothing left to say.

@@ -7,6 +7,7 @@ from typing import Any
 
 from usmbench.cli.bench_session import Bench
 from usmbench.instruments.protocol.messages import Identity
+from usmbench.runs.stop_request import StopSign
 from usmbench.runs.writer import RunWriter
 from usmbench.settings.bench import BenchSettings, InterlockSettings
 from usmbench.settings.bench_file import bench_document
@@ -128,6 +129,7 @@ def measure(bench: Bench, job: Job, writer: RunWriter, observer: Observer | None
                 observer=observer,
                 ask_operator=job.ask_operator,
                 start=job.start,
+                check_stop=StopSign(writer.folder).check,
             )
             controller.run(job.dwells, job.n_windows)
         except KeyboardInterrupt:

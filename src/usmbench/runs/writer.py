@@ -32,6 +32,7 @@ from usmbench.runs.files import AppendedFile, disk_error, replace_file, sync_fol
 from usmbench.runs.meta import now_iso, read_meta, sha256_of
 from usmbench.runs.raw import RawWriter
 from usmbench.runs.stop_point import StopPoint, columns_of, stop_point
+from usmbench.runs.stop_request import forget_stop_request
 from usmbench.sweep.rows import PairRow, WindowRow
 
 # At most a second between forced writes, with a margin for one window.
@@ -164,6 +165,7 @@ class RunWriter:
         columns = columns_of(folder / WINDOWS_FILE, (WINDOW_COLUMNS, WINDOW_COLUMNS_T))
         columns_of(folder / PAIRS_FILE, (PAIR_COLUMNS_WRITTEN,))
         try:
+            forget_stop_request(folder)
             replace_file(folder / RUN_FILE, _yaml(meta))
             (folder / _RESERVE_FILE).write_bytes(bytes(_RESERVE_BYTES))
         except OSError as error:
@@ -296,6 +298,7 @@ class RunWriter:
         path = self.folder / RUN_FILE
         try:
             (self.folder / _RESERVE_FILE).unlink(missing_ok=True)
+            forget_stop_request(self.folder)
             names = [WINDOWS_FILE, PAIRS_FILE] + ([RAW_FILE] if self._raw else [])
             stopped = {"stopped": now_iso(), "exit": outcome, **extra}
             sums = {"sha256": {name: sha256_of(self.folder / name) for name in names}}

@@ -1,6 +1,6 @@
 """Runs a schedule: one loop that reads windows, watches them and commands the drive."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import chain
 
@@ -77,6 +77,9 @@ class SweepController:
         Whether the operator is asked to set each load.
     start
         Where the rows begin.
+    check_stop
+        Raises KeyboardInterrupt where somebody else than the user at the keyboard wants to stop;
+        called before every window, or None.
     """
 
     def __init__(
@@ -89,6 +92,7 @@ class SweepController:
         observer: Observer | None = None,
         ask_operator: bool = False,
         start: Start = Start(),
+        check_stop: Callable[[], None] | None = None,
     ):
         source = instruments.source
         self._instruments = instruments
@@ -97,6 +101,7 @@ class SweepController:
         self._observer = observer
         self._ask_operator = ask_operator
         self._start = start
+        self._check_stop = check_stop
         self._edge_timed = bench.encoder.speed == "edge_timed"
         self._geometry = EncoderGeometry(
             bench.counts_per_rev, source.counter_bits, bench.encoder.sign, source.sample_rate_hz
@@ -213,6 +218,8 @@ class SweepController:
     def _window(self, settling: Settling | None) -> float:
         """Read, keep and watch one window; return its end."""
         self._interrupts.check()
+        if self._check_stop is not None:
+            self._check_stop()
         block = self._instruments.source.next_block()
         self._encoder, motion = decode(self._encoder, block, self._geometry)
         end_sample = block.first_sample + len(block.counts)
