@@ -22,6 +22,8 @@ COMMANDS = {
     "diagnose": "what the simulation gets wrong, why, and what it gains to know",
     "runs": "list what was measured, find it, check its data",
     "doctor": "walk through a bench: what each part says, and what to do about it",
+    "export": "a run as Parquet, MATLAB, NetCDF or CSV",
+    "import": "somebody else's CSV or .mat as a run folder",
     "demo": "all of it on the simulated testbed",
 }
 

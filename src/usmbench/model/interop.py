@@ -1,20 +1,24 @@
 """Models and runs for other tools: python-control, scipy.signal, pandas, xarray, MATLAB.
 
-The three packages are imported where they are used: none is needed to run the bench.
+Their packages are imported where they are used: none is needed to run the bench.
 """
 
 import importlib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import yaml
 from numpy.typing import NDArray
 from scipy.io import savemat
 from scipy.signal import TransferFunction
 
 from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel, LinearPart
-from usmbench.runs.record import Record
+from usmbench.runs.record import Pairs, Record
 
 if TYPE_CHECKING:
     import control
@@ -23,7 +27,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-_COLUMNS = {
+_UNITS = {
     "phase_deg": "deg",
     "speed_rad_s": "rad/s",
     "window_s": "s",
@@ -88,7 +92,8 @@ def to_pandas(record: Record) -> "pd.DataFrame":
     Returns
     -------
     pandas.DataFrame
-        The columns that the run has, with their names in the run folder; index `t_s`.
+        The columns that the run has, with their names in the run folder; index `t_s`. Units, name
+        and run.yaml are in `attrs`.
 
     Raises
     ------
@@ -97,7 +102,9 @@ def to_pandas(record: Record) -> "pd.DataFrame":
     """
     pandas = _package("pandas")
     index = pandas.Index(record.t_s, name="t_s")
-    return pandas.DataFrame(_columns(record), index=index)
+    table: pd.DataFrame = pandas.DataFrame(_columns(record), index=index)
+    table.attrs = {**_about(record), "units": {"t_s": "s", **_UNITS}}
+    return table
 
 
 def to_xarray(record: Record) -> "xr.Dataset":
@@ -111,7 +118,7 @@ def to_xarray(record: Record) -> "xr.Dataset":
     Returns
     -------
     xarray.Dataset
-        One variable a column over `t_s`, each with its `units`; the name is an attribute.
+        One variable a column over `t_s`, each with its `units`; name and run.yaml are attributes.
 
     Raises
     ------
@@ -120,12 +127,74 @@ def to_xarray(record: Record) -> "xr.Dataset":
     """
     xarray = _package("xarray")
     variables = {
-        name: ("t_s", column, {"units": _COLUMNS[name]})
+        name: ("t_s", column, {"units": _UNITS[name]} if name in _UNITS else {})
         for name, column in _columns(record).items()
     }
     time = ("t_s", record.t_s, {"units": "s"})
-    data: xr.Dataset = xarray.Dataset(variables, coords={"t_s": time}, attrs={"name": record.name})
+    data: xr.Dataset = xarray.Dataset(variables, coords={"t_s": time}, attrs=_about(record))
     return data
+
+
+def write_csv(path: Path, record: Record) -> None:
+    """Write a run as one CSV file, with the columns that were derived.
+
+    Parameters
+    ----------
+    path
+        The file; an existing one is replaced.
+    record
+        The run.
+
+    Raises
+    ------
+    InputError
+        pandas is not installed, or the file cannot be written.
+    """
+    table = to_pandas(record)
+    with _writing(path):
+        table.to_csv(path, float_format="%.12g")
+
+
+def write_parquet(path: Path, record: Record) -> None:
+    """Write a run as Parquet, units and run.yaml in the file's metadata.
+
+    Parameters
+    ----------
+    path
+        The file; an existing one is replaced.
+    record
+        The run.
+
+    Raises
+    ------
+    InputError
+        pandas or pyarrow is not installed, or the file cannot be written.
+    """
+    _package("pyarrow")
+    table = to_pandas(record)
+    with _writing(path):
+        table.to_parquet(path, engine="pyarrow")
+
+
+def write_netcdf(path: Path, record: Record) -> None:
+    """Write a run as NetCDF 4, each variable with its units.
+
+    Parameters
+    ----------
+    path
+        The file; an existing one is replaced.
+    record
+        The run.
+
+    Raises
+    ------
+    InputError
+        xarray or h5netcdf is not installed, or the file cannot be written.
+    """
+    _package("h5netcdf")
+    data = to_xarray(record)
+    with _writing(path):
+        data.to_netcdf(path, engine="h5netcdf")
 
 
 def write_mat(
@@ -138,7 +207,7 @@ def write_mat(
     path
         The .mat file (version 5); an existing one is replaced.
     record
-        Becomes the struct `run`, a column vector a column.
+        Becomes the struct `run`, a column vector a column, and the struct `pairs`.
     model
         Becomes the struct `model`: `a`, `b`, `dead_time_windows`, `window_s` (NaN for settled
         pairs), and a struct array `points` with `frequency_hz`, `torque_nm`, `knots_deg`, `delta`.
@@ -151,13 +220,34 @@ def write_mat(
     content: dict[str, Any] = {}
     if record is not None:
         content["run"] = {"t_s": record.t_s, **_columns(record)}
+        if record.pairs is not None:
+            content["pairs"] = {
+                part.name: getattr(record.pairs, part.name) for part in fields(Pairs)
+            }
     if model is not None:
         content["model"] = _model_struct(model)
+    with _writing(path):
+        savemat(path, content, oned_as="column", long_field_names=True)
+
+
+# What each format of `usmbench export` is written by.
+WRITERS: dict[str, Callable[[Path, Record], None]] = {
+    "csv": write_csv,
+    "mat": write_mat,
+    "netcdf": write_netcdf,
+    "parquet": write_parquet,
+}
+
+
+@contextmanager
+def _writing(path: Path) -> Iterator[None]:
+    """Turn what a library raises over a file into what a user can mend."""
     try:
-        savemat(path, content, oned_as="column")
+        yield
     except OSError as error:
         raise InputError(
-            f"cannot be written ({error.strerror}); give a file in a folder that exists", file=path
+            f"cannot be written ({error.strerror or error}); give a file in a folder that exists",
+            file=path,
         ) from error
 
 
@@ -192,10 +282,16 @@ def _polynomials(linear: LinearPart) -> tuple[Array, Array]:
     return np.trim_zeros(top, "f"), bottom
 
 
-def _columns(record: Record) -> dict[str, Array]:
-    """Columns that a run has."""
-    columns = {name: getattr(record, name) for name in _COLUMNS}
-    return {name: column for name, column in columns.items() if column is not None}
+def _columns(record: Record) -> dict[str, Any]:
+    """Columns that a run has, the user's own among them."""
+    columns = {name: getattr(record, name) for name in _UNITS}
+    return {name: column for name, column in columns.items() if column is not None} | record.extra
+
+
+def _about(record: Record) -> dict[str, str]:
+    """Return what a file says of a run beside its columns."""
+    run_yaml = yaml.safe_dump(record.meta, sort_keys=False, allow_unicode=True)
+    return {"name": record.name, "run_yaml": run_yaml}
 
 
 def _package(name: str) -> Any:
