@@ -77,11 +77,11 @@ def check_rows(data: Dataset, degree: int, na: int, nb: int, *, point: int) -> N
         Too few, with the numbers.
     """
     wanted = degree + 1 + na + nb
-    n = data.phase_deg(point).size
+    n = data.rows(point)
     if n < wanted:
         rows = "settled pairs" if data.window_s is None else "rows"
         raise InputError(
-            f"{', '.join(data.run_names)}: {n} {rows}{describe(data.points[point])} cannot carry "
+            f"{data.name}: {n} {rows}{describe(data.points[point])} cannot carry "
             f"{wanted} parameters (degree {degree}, n_a {na}, n_b {nb}); lower --degree or "
             "measure more"
         )

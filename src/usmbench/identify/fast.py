@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.identify.data import Dataset, from_windows
+from usmbench.identify.data import Dataset
 from usmbench.identify.design import build_design, check_rows
 from usmbench.identify.dynamics import Dynamics, Family, FreeFamily, LagFamily
+from usmbench.identify.gather import from_windows
 from usmbench.identify.knots import dead_zone_deg, place_knots
 from usmbench.identify.polish import polished
 from usmbench.identify.residual_tests import residual_tests
@@ -144,8 +145,7 @@ def _degrees(data: Dataset, point: int, options: FastOptions, nb: int) -> tuple[
 
 def _even_knots(data: Dataset, point: int, degree: int) -> Array:
     """Even knots over a point's phases."""
-    phase_deg = data.phase_deg(point)
-    return place_knots(float(phase_deg.min()), float(phase_deg.max()), degree)
+    return place_knots(*data.spans_deg[point], degree)
 
 
 def _choice(

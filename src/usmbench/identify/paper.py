@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.errors import InputError
-from usmbench.identify.data import Dataset, from_pairs
+from usmbench.identify.data import Dataset
 from usmbench.identify.design import check_rows
+from usmbench.identify.gather import from_pairs
 from usmbench.identify.knots import place_knots
 from usmbench.identify.paper_inverse_map import inverse_de_casteljau
 from usmbench.identify.paper_lm import Lagged, LmOptions, LmResult, search
@@ -95,7 +96,7 @@ def identify_paper(records: Sequence[Record], options: PaperOptions) -> PaperIde
     started_s = time.perf_counter()
     data = from_pairs(records)
     rng = np.random.default_rng(options.seed)
-    knots_deg = [_knots(data.phase_deg(k), options) for k in range(len(data.points))]
+    knots_deg = [_knots(span_deg, options) for span_deg in data.spans_deg]
     for k, knots in enumerate(knots_deg):
         check_rows(data, knots.size - 1, options.na, options.nb, point=k)
     blocks, map_iterations = _blocks(data, knots_deg, options, rng)
@@ -164,11 +165,11 @@ def _denominator(blocks: Sequence[_Block], options: PaperOptions) -> Array:
     return a
 
 
-def _knots(phase_deg: Array, options: PaperOptions) -> Array:
+def _knots(span_deg: tuple[float, float], options: PaperOptions) -> Array:
     """Take the user's knots, or the paper's where degree and range are those of Section V."""
     if options.knots_deg is not None:
         return np.array(options.knots_deg)
-    low_deg, high_deg = float(phase_deg.min()), float(phase_deg.max())
+    low_deg, high_deg = span_deg
     published = KNOTS_ONE_WAY_DEG if low_deg >= 0.0 else KNOTS_BOTH_WAYS_DEG
     degree = len(published) - 1 if options.degree is None else options.degree
     covers = published[0] <= low_deg and high_deg <= published[-1]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.special import chdtrc, fdtrc
 
 from usmbench.identify.noise import whitened
-from usmbench.identify.output_error import Projected
+from usmbench.identify.projected import Projected
 from usmbench.model.linear import delayed
 
 Array = NDArray[np.float64]

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from usmbench.identify.data import Dataset
 from usmbench.identify.knots import dead_zone_deg
+from usmbench.identify.pieces import Piece, pieces, settled_speed_rad_s
 from usmbench.identify.residual_tests import ResidualTest
 from usmbench.model.hammerstein import (
     HammersteinModel,
@@ -22,14 +23,11 @@ from usmbench.model.linear import (
     delayed,
     fitted_start_rad_s,
     free_run,
-    memory_windows,
     time_constant_s,
 )
 
 Array = NDArray[np.float64]
 
-_PIECE_ROWS = 65_536
-_FORGOTTEN = 1e-10
 _SIGNIFICANT = 0.01
 
 
@@ -149,13 +147,12 @@ def assemble(
     points, scores = [], []
     for k, ((frequency_hz, torque_nm), curve) in enumerate(zip(data.points, curves, strict=True)):
         score = _score(data, linear, curve, k)
-        phase_deg = data.phase_deg(k)
         points.append(
             OperatingPoint(
                 frequency_hz,
                 torque_nm,
                 curve,
-                (float(phase_deg.min()), float(phase_deg.max())),
+                data.spans_deg[k],
                 dead_zone_deg(curve),
                 score.rmse_free_run_rad_s,
             )
@@ -168,7 +165,7 @@ def assemble(
         linear,
         tuple(points),
         method,
-        fitted_on=tuple({"name": name} for name in data.run_names),
+        fitted_on=tuple(asdict(run) for run in data.runs),
         residual={
             "rmse_free_run_rad_s": free,
             "rmse_one_step_rad_s": one,
@@ -184,16 +181,12 @@ def assemble(
 def _score(data: Dataset, linear: LinearPart, curve: StaticCurve, point: int) -> Scores:
     """One-step and free-running errors over a point's segments, in pieces."""
     squares, n, n_one_step = np.zeros(2), 0, 0
-    memory = memory_windows(linear, _FORGOTTEN)
-    for segment in (s for s in data.segments if s.point == point):
-        for first in range(0, segment.n, _PIECE_ROWS):
-            before = min(first, memory)
-            piece = segment.part(first - before, min(first + _PIECE_ROWS, segment.n))
-            settled_rad_s = curve.speed_rad_s(piece.phase_deg)
-            one_step = _one_step_error(linear, settled_rad_s, piece.speed_rad_s, before)
-            free = _free_run_error(linear, settled_rad_s, piece.speed_rad_s)[before:]
-            squares += np.sum(one_step**2), np.sum(free**2)
-            n, n_one_step = n + free.size, n_one_step + one_step.size
+    for piece in pieces(data, linear, point):
+        settled_rad_s = settled_speed_rad_s(piece.phase_deg, curve)
+        one_step = _one_step_error(linear, settled_rad_s, piece)
+        free = _free_run_error(linear, settled_rad_s, piece)
+        squares += one_step @ one_step, free @ free
+        n, n_one_step = n + free.size, n_one_step + one_step.size
     one_step_sse, free_sse = squares.tolist()
     return Scores(
         n,
@@ -203,20 +196,20 @@ def _score(data: Dataset, linear: LinearPart, curve: StaticCurve, point: int) ->
     )
 
 
-def _free_run_error(linear: LinearPart, settled_rad_s: Array, speed_rad_s: Array) -> Array:
+def _free_run_error(linear: LinearPart, settled_rad_s: Array, piece: Piece) -> Array:
     """Measured minus free-running speed, from the start that suits the measurement best."""
-    start_rad_s = fitted_start_rad_s(linear, settled_rad_s, speed_rad_s)
-    return speed_rad_s - free_run(linear, settled_rad_s, start_rad_s)
+    start_rad_s = fitted_start_rad_s(linear, settled_rad_s, piece.speed_rad_s)
+    return (piece.speed_rad_s - free_run(linear, settled_rad_s, start_rad_s))[piece.before :]
 
 
-def _one_step_error(
-    linear: LinearPart, settled_rad_s: Array, speed_rad_s: Array, before: int
-) -> Array:
+def _one_step_error(linear: LinearPart, settled_rad_s: Array, piece: Piece) -> Array:
     """Measured minus predicted from measured past speeds, on rows that have a whole past."""
+    speed_rad_s = piece.speed_rad_s
+    late = delayed(settled_rad_s, linear.dead_time_windows, settled_rad_s[0])
     predicted = np.zeros(speed_rad_s.size)
-    for k, b in enumerate(linear.b, start=linear.dead_time_windows):
-        predicted += b * delayed(settled_rad_s, k, settled_rad_s[0])
+    for k, b in enumerate(linear.b):
+        predicted += b * delayed(late, k, settled_rad_s[0])
     for i, a in enumerate(linear.a, start=1):
         predicted -= a * delayed(speed_rad_s, i)
     past = max(linear.a.size, linear.dead_time_windows + linear.b.size - 1)
-    return (speed_rad_s - predicted)[max(before, min(past, speed_rad_s.size - 1)) :]
+    return (speed_rad_s - predicted)[max(piece.before, min(past, speed_rad_s.size - 1)) :]

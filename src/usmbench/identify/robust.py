@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from usmbench.identify.design import Stretch
 from usmbench.identify.dynamics import Dynamics, Family
-from usmbench.identify.output_error import Projected, RowWeights, fit_output_error
+from usmbench.identify.output_error import fit_output_error
+from usmbench.identify.projected import Projected, RowWeights
 
 Array = NDArray[np.float64]
 

@@ -16,7 +16,7 @@ from scipy.linalg import solve_triangular
 from usmbench.identify.data import Dataset, Segment
 from usmbench.identify.dynamics import NONE, Dynamics
 from usmbench.identify.knots import place_knots
-from usmbench.identify.output_error import Fit
+from usmbench.identify.projected import Fit
 from usmbench.identify.triangle import triangle
 from usmbench.model.bernstein import bernstein_basis
 from usmbench.model.hammerstein import StaticCurve

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 _RIDGE = 1e-8  # relative to the largest singular value: products the data do not resolve stay 0
 _STABLE = 0.98
-_FEW_ROWS = 20_000
+_FEW_ROWS = 6_000
 
 
 def separable_start(

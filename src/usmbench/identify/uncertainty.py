@@ -12,8 +12,8 @@ from scipy.special import ndtri
 from usmbench.identify.dynamics import Family
 from usmbench.identify.knots import dead_zone_deg, standing_edges_deg
 from usmbench.identify.noise import coloured_back, fit_noise
-from usmbench.identify.output_error import Fit, Projected
 from usmbench.identify.polish import Polished
+from usmbench.identify.projected import Fit, Projected
 from usmbench.identify.triangle import full_rank, triangle
 from usmbench.model.bernstein import bernstein_basis
 from usmbench.model.hammerstein import StaticCurve

@@ -1,0 +1,225 @@
+"""Runs gathered into what identification works on, cut where they are not one piece."""
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.errors import InputError
+from usmbench.identify.data import Dataset, FittedRun, Point, Segment, describe
+from usmbench.runs.record import Record
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+_GAP = 1.5  # a step of the clock beyond so many windows is a break in the record
+_RATE_TOLERANCE = 1e-3
+
+
+def from_windows(records: Sequence[Record]) -> Dataset:
+    """Gather the driven windows of runs, cut where time jumps or the operating point changes.
+
+    Windows without drive and the warm-up before the first pass are left out, where the run says
+    which they are.
+
+    Parameters
+    ----------
+    records
+        The runs.
+
+    Raises
+    ------
+    InputError
+        A value that is no number, runs with different windows, no window that was driven, or a
+        phase that never changes.
+    """
+    window_s = float(np.median(records[0].window_s))
+    found: list[tuple[Point, Segment]] = []
+    runs: list[FittedRun] = []
+    warnings: list[str] = []
+    for number, record in enumerate(records):
+        _check_numbers(record)
+        _check_window(record, records[0].name, window_s)
+        jumps = np.flatnonzero(np.diff(record.t_s) > _GAP * window_s) + 1
+        if jumps.size:
+            warnings.append(
+                f"{record.name}: time jumps at {jumps.size} rows (first at row {jumps[0]}, "
+                f"{record.t_s[jumps[0]]:g} s); the run is cut there"
+            )
+        pieces = list(_pieces(record, number, jumps))
+        runs.append(_fitted(record, sum(segment.n for _, segment in pieces)))
+        found += pieces
+        warnings += _points_without_data(record, [point for point, _ in pieces])
+    return _dataset(found, window_s, runs, warnings)
+
+
+def from_pairs(records: Sequence[Record]) -> Dataset:
+    """Gather the settled pairs of runs, one segment an operating point and run.
+
+    Parameters
+    ----------
+    records
+        The runs; one without pairs contributes its windows, each taken as a pair.
+
+    Raises
+    ------
+    InputError
+        A value that is no number, no settled pair, or a phase that never changes.
+    """
+    found: list[tuple[Point, Segment]] = []
+    runs: list[FittedRun] = []
+    warnings: list[str] = []
+    for number, record in enumerate(records):
+        _check_numbers(record)
+        phase_deg, speed_rad_s, keys = _pairs_of(record, warnings)
+        for key in dict.fromkeys(keys):
+            rows = np.array([row for row, other in enumerate(keys) if other == key])
+            segment = Segment(phase_deg[rows], speed_rad_s[rows], 0, number, int(rows[0]))
+            found.append((key, segment))
+        runs.append(_fitted(record, len(keys)))
+        warnings += _points_without_data(record, keys)
+    return _dataset(found, None, runs, warnings)
+
+
+def _dataset(
+    found: Sequence[tuple[Point, Segment]],
+    window_s: float | None,
+    runs: Sequence[FittedRun],
+    warnings: Sequence[str],
+) -> Dataset:
+    """Give the operating points their numbers, and refuse one at which nothing was varied."""
+    if not found:
+        rows = "settled pair" if window_s is None else "window that was driven"
+        raise InputError(f"{', '.join(run.name for run in runs)}: there is no {rows}")
+    points: dict[Point, int] = {}
+    for point, _ in found:
+        points.setdefault(point, len(points))
+    segments = tuple(segment.at(points[point]) for point, segment in found)
+    spans_deg = []
+    for point, index in points.items():
+        own = [segment.phase_deg for segment in segments if segment.point == index]
+        low_deg = min(float(phase_deg.min()) for phase_deg in own)
+        high_deg = max(float(phase_deg.max()) for phase_deg in own)
+        if low_deg == high_deg:
+            raise InputError(
+                f"{', '.join(run.name for run in runs)}: the phase is {low_deg:g}° throughout"
+                f"{describe(point)}; a curve needs a run in which the phase changes"
+            )
+        spans_deg.append((low_deg, high_deg))
+    return Dataset(
+        segments, tuple(points), window_s, tuple(runs), tuple(spans_deg), tuple(warnings)
+    )
+
+
+def _pieces(
+    record: Record, number: int, jumps: NDArray[np.intp]
+) -> Iterator[tuple[Point, Segment]]:
+    """Unbroken driven stretches of a run at one operating point each."""
+    used = _used(record)
+    known = [c for c in (record.frequency_hz, record.torque_nm, used) if c is not None]
+    changes = [np.flatnonzero(column[1:] != column[:-1]) + 1 for column in known]
+    ends = np.array([0, record.t_s.size], dtype=np.intp)
+    cuts = np.unique(np.concatenate([ends, jumps, *changes]))
+    for first, last in pairwise(cuts.tolist()):
+        if used is None or used[first]:
+            rows = slice(first, last)
+            segment = Segment(record.phase_deg[rows], record.speed_rad_s[rows], 0, number, first)
+            yield _point(record, first), segment
+
+
+def _used(record: Record) -> Mask | None:
+    """Rows with the drive on, after the warm-up; None where the run does not tell them apart."""
+    drive_on = record.extra.get("drive_on")
+    masks = []
+    if drive_on is not None and np.issubdtype(drive_on.dtype, np.floating):
+        masks.append(np.asarray(drive_on, dtype=np.float64) != 0.0)
+    if record.sweep is not None:
+        masks.append(record.sweep >= 0.0)
+    return np.logical_and.reduce(masks) if masks else None
+
+
+def _pairs_of(record: Record, warnings: list[str]) -> tuple[Array, Array, list[Point]]:
+    """Phases, speeds and operating points of a run's settled pairs."""
+    pairs = record.pairs
+    if pairs is None or pairs.phase_deg.size == 0:
+        warnings.append(f"{record.name}: no settled pairs, every window is taken as one")
+        keys = [_point(record, row) for row in range(record.t_s.size)]
+        return record.phase_deg, record.speed_rad_s, keys
+    whole = (pairs.n_windows >= 1) & np.isfinite(pairs.speed_rad_s)
+    if not np.all(whole):
+        warnings.append(
+            f"{record.name}: {np.count_nonzero(~whole)} dwells without a settled window left out"
+        )
+    rows = np.flatnonzero(whole)
+    keys = [(_known(pairs.frequency_hz[row]), _known(pairs.torque_nm[row])) for row in rows]
+    return pairs.phase_deg[rows], pairs.speed_rad_s[rows], keys
+
+
+def _points_without_data(record: Record, found: Sequence[Point]) -> list[str]:
+    """Warn of operating points that the run's plan asks for and its rows do not hold."""
+    plan = record.meta.get("plan")
+    if not isinstance(plan, dict):
+        return []
+    frequencies_hz = _numbers(plan.get("frequency_hz"))
+    torques_nm = _numbers(plan.get("torque_nm", 0.0))
+    missing = [
+        describe((frequency_hz, torque_nm)).removeprefix(" at ")
+        for frequency_hz in frequencies_hz
+        for torque_nm in torques_nm
+        if (frequency_hz, torque_nm) not in found
+    ]
+    if not missing:
+        return []
+    return [
+        f"{record.name}: the plan asks for {'; '.join(missing)}, and no usable row is there; "
+        "the model has no curve for it"
+    ]
+
+
+def _numbers(value: Any) -> list[float]:
+    """Return a plan's number, or list of numbers, as a list."""
+    values = value if isinstance(value, list) else [value]
+    return [float(v) for v in values if isinstance(v, int | float)]
+
+
+def _fitted(record: Record, rows: int) -> FittedRun:
+    identity = record.meta.get("id")
+    return FittedRun(record.name, None if identity is None else str(identity), rows)
+
+
+def _point(record: Record, row: int) -> Point:
+    """Operating point of a row."""
+    columns = (record.frequency_hz, record.torque_nm)
+    frequency_hz, torque_nm = (None if c is None else float(c[row]) for c in columns)
+    return frequency_hz, torque_nm
+
+
+def _known(value: np.float64) -> float | None:
+    """Return a pair's frequency or torque; NaN stands for one the run does not say."""
+    return None if np.isnan(value) else float(value)
+
+
+def _check_window(record: Record, first_name: str, window_s: float) -> None:
+    """Refuse a run whose windows differ from the first's."""
+    own_s = float(np.median(record.window_s))
+    if abs(own_s / window_s - 1.0) > _RATE_TOLERANCE:
+        raise InputError(
+            f"{record.name} has windows of {1e3 * own_s:g} ms and {first_name} of "
+            f"{1e3 * window_s:g} ms; identify runs of one window length at a time"
+        )
+
+
+def _check_numbers(record: Record) -> None:
+    """Refuse what is no number, naming the row."""
+    if record.t_s.size == 0:
+        raise InputError(f"{record.name}: there is no row")
+    for name in ("t_s", "phase_deg", "speed_rad_s", "frequency_hz", "torque_nm"):
+        column = getattr(record, name)
+        if column is None or np.all(np.isfinite(column)):
+            continue
+        row = int(np.argmin(np.isfinite(column)))
+        raise InputError(
+            f"{record.name}: {name} of row {row} is {column[row]}; remove the row or mend it"
+        )
