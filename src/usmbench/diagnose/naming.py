@@ -80,6 +80,17 @@ def rank(
     return sorted(found, key=lambda r: -r.score)
 
 
+def telling_deviance(evidence: float) -> float:
+    """Return the deviance that tells two causes apart.
+
+    Parameters
+    ----------
+    evidence
+        What the better of the two brings.
+    """
+    return max(_TELLING, _SIMILAR * evidence)
+
+
 def alternatives(ranked: Sequence[Ranked]) -> tuple[str, ...]:
     """Return the other causes that explain about as much as the best.
 
@@ -89,7 +100,7 @@ def alternatives(ranked: Sequence[Ranked]) -> tuple[str, ...]:
         The candidates, best first.
     """
     best = ranked[0]
-    near = max(_TELLING, _SIMILAR * best.statistic)
+    near = telling_deviance(best.statistic)
     names = [r.effect.name for r in ranked[1:] if best.score - r.score < near]
     return tuple(dict.fromkeys(n for n in names if n != best.effect.name))
 
