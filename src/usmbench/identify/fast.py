@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from usmbench.identify.curve_rows import CurveRows, curve_rows
 from usmbench.identify.data import Dataset
 from usmbench.identify.design import build_design, check_rows
 from usmbench.identify.dynamics import Dynamics, Family, FreeFamily, LagFamily
@@ -19,9 +20,7 @@ from usmbench.identify.robust import robust_fit
 from usmbench.identify.selection import (
     DEGREES,
     Choice,
-    CurveRows,
     choose_curve,
-    curve_rows,
     fitted_curve,
     judge_knots,
     prior_rows,

@@ -1,0 +1,131 @@
+"""The samples on which a curve is chosen, with what is held out when."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.identify.data import Dataset, Segment
+from usmbench.identify.dynamics import NONE, Dynamics
+from usmbench.identify.projected import Fit
+from usmbench.model.linear import memory_windows
+
+Array = NDArray[np.float64]
+
+FOLDS = 5
+_BLOCKS = 40
+_MOST_ROWS = 4000
+_FEWEST_DWELLS = 10
+_STANDING_SPEED = 0.002  # of the highest: less is standstill
+_WILD_SCALES, _WILD_SHARE = 10.0, 0.1  # of the residual's scale, of the highest speed
+
+
+@dataclass(frozen=True, slots=True)
+class CurveRows:
+    """Samples that tell about one operating point's curve.
+
+    Parameters
+    ----------
+    phase_deg, speed_rad_s
+        Pieces of the record, or one piece of dwell medians.
+    fold
+        Fold of each sample; -1 where it is never held out, -2 where it is not used at all.
+    dynamics
+        What stands between curve and speed; the identity for dwell medians.
+    standing_deg
+        Lowest and highest phase about 0 at which a dwell stood; None where fewer than two did.
+    """
+
+    phase_deg: tuple[Array, ...]
+    speed_rad_s: tuple[Array, ...]
+    fold: tuple[NDArray[np.int64], ...]
+    dynamics: Dynamics
+    standing_deg: tuple[float, float] | None = None
+
+
+def curve_rows(data: Dataset, point: int, rough: Fit) -> CurveRows:
+    """Gather the samples on which a point's curve is chosen.
+
+    Where the record is made of dwells, each gives its median settled speed, and neighbouring
+    phases are held out together; else blocks of the record are held out.
+
+    Parameters
+    ----------
+    data
+        The samples.
+    point
+        Index of the operating point.
+    rough
+        A first fit to the same samples; what lies far off it is left out.
+    """
+    dynamics = rough.dynamics
+    forget = memory_windows(dynamics.linear_part(None))
+    phases, speeds = _dwell_medians(data, point, forget)
+    if phases.size >= _FEWEST_DWELLS:
+        fold = _phase_folds(phases)
+        return CurveRows((phases,), (speeds,), (fold,), NONE, _standing_deg(phases, speeds))
+    chosen = [k for k, s in enumerate(data.segments) if s.point == point]
+    pieces = [data.segments[k] for k in chosen]
+    wild = _wild([rough.residual_rad_s[k] for k in chosen], pieces)
+    total = sum(s.n for s in pieces)
+    keep = min(1.0, _MOST_ROWS / total)
+    cut = [max(forget + 1, int(s.n * keep)) for s in pieces]
+    folds = []
+    for k, (segment, n) in enumerate(zip(pieces, cut, strict=True)):
+        n = min(n, segment.n)
+        fold = (np.arange(n) * _BLOCKS // max(n, 1) + k) % FOLDS
+        fold[: min(forget, n)] = -2
+        fold[wild[k][:n]] = -2
+        folds.append(fold)
+    return CurveRows(
+        tuple(s.phase_deg[: f.size] for s, f in zip(pieces, folds, strict=True)),
+        tuple(s.speed_rad_s[: f.size] for s, f in zip(pieces, folds, strict=True)),
+        tuple(folds),
+        dynamics,
+    )
+
+
+def _wild(residuals: Sequence[Array], pieces: Sequence[Segment]) -> list[NDArray[np.bool_]]:
+    """Mark samples so far off that no curve explains them: further than a rough one's own error."""
+    scale = 1.4826 * float(np.median(np.abs(np.concatenate(residuals))))
+    top = max(float(np.quantile(np.abs(s.speed_rad_s), 0.95)) for s in pieces)
+    limit = max(_WILD_SCALES * scale, _WILD_SHARE * top)
+    return [np.abs(residual) > limit for residual in residuals]
+
+
+def _dwell_medians(data: Dataset, point: int, forget: int) -> tuple[Array, Array]:
+    """Phase and median settled speed of every dwell that outlasts the memory."""
+    phases, speeds = [], []
+    for segment in (s for s in data.segments if s.point == point):
+        starts = np.r_[0, np.flatnonzero(np.diff(segment.phase_deg)) + 1, segment.n]
+        for first, last in pairwise(starts):
+            if last - first > forget:
+                phases.append(segment.phase_deg[first])
+                speeds.append(np.median(segment.speed_rad_s[first + forget : last]))
+    return np.array(phases), np.array(speeds)
+
+
+def _standing_deg(phase_deg: Array, speed_rad_s: Array) -> tuple[float, float] | None:
+    """Return the ends of the run of standing dwells nearest to phase 0."""
+    order = np.argsort(phase_deg)
+    standing = np.abs(speed_rad_s[order]) <= _STANDING_SPEED * np.max(np.abs(speed_rad_s))
+    if not np.any(standing):
+        return None
+    sorted_deg = phase_deg[order]
+    nearest = int(np.argmin(np.where(standing, np.abs(sorted_deg), np.inf)))
+    below, above = np.flatnonzero(~standing[:nearest]), np.flatnonzero(~standing[nearest:])
+    first = 0 if below.size == 0 else int(below[-1]) + 1
+    last = standing.size - 1 if above.size == 0 else nearest + int(above[0]) - 1
+    low_deg, high_deg = float(sorted_deg[first]), float(sorted_deg[last])
+    return (low_deg, high_deg) if low_deg < high_deg else None
+
+
+def _phase_folds(phase_deg: Array) -> NDArray[np.int64]:
+    """Equal phases share a fold; the ends are never held out, nothing lies beyond them."""
+    distinct, place = np.unique(phase_deg, return_inverse=True)
+    fold_of = np.arange(distinct.size) % FOLDS
+    fold_of[[0, -1]] = -1
+    fold: NDArray[np.int64] = fold_of[place]
+    return fold
