@@ -24,6 +24,7 @@ COMMANDS = {
     "doctor": "walk through a bench: what each part says, and what to do about it",
     "export": "a run as Parquet, MATLAB, NetCDF or CSV",
     "import": "somebody else's CSV or .mat as a run folder",
+    "new": "a commented plan, bench or mapping file to start from",
     "demo": "all of it on the simulated testbed",
 }
 

@@ -14,7 +14,8 @@ from usmbench.settings.bench import BenchSettings, TemperatureSettings
 from usmbench.settings.bench_file import bench_document, load_bench, parse_bench
 from usmbench.settings.yaml_source import Source, parse_source
 
-EXAMPLES = Path(__file__).parents[3] / "examples"
+ROOT = Path(__file__).parents[3]
+TEMPLATE = ROOT / "src" / "usmbench" / "settings" / "templates" / "bench.yaml"
 HEAD = "format: usmbench-bench/1\n"
 
 
@@ -29,10 +30,10 @@ def test_a_bench_survives_the_run_folder() -> None:
 
 
 def test_the_examples_are_what_they_say() -> None:
-    m_series = load_bench(EXAMPLES / "bench-usr60-m-series.yaml")
+    m_series = load_bench(TEMPLATE)
     assert m_series.counts_per_rev == 2000
     assert replace(m_series, name="bench", temperature=None) == BenchSettings()
-    e_series = load_bench(EXAMPLES / "bench-usr60-pci-6071e.yaml")
+    e_series = load_bench(ROOT / "examples" / "bench-usr60-pci-6071e.yaml")
     assert (e_series.daq.family, e_series.counts_per_rev) == ("e_series", 500)
 
 
