@@ -5,7 +5,7 @@ BIN    := $(VENV)/bin
 # Two cores are what CI has; BLAS threads on top of our own processes only get in each other's way.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test firmware lint clean
+.PHONY: demo test firmware browser lint clean
 
 $(VENV)/.run: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit("usmbench needs Python 3.11 or later; set PYTHON=... to one") if sys.version_info < (3, 11) else None'
@@ -20,7 +20,7 @@ $(VENV)/.dev: $(VENV)/.run
 demo: $(VENV)/.run
 	$(BIN)/usmbench demo --out demo
 
-test: $(VENV)/.dev firmware
+test: $(VENV)/.dev firmware browser
 	$(BIN)/python -m pytest
 
 # The image that is flashed is tested too, wherever its tools are or can be had.
@@ -30,6 +30,10 @@ firmware: $(VENV)/.dev
 	else \
 	  echo "without them the tests hold only the emulated board to the protocol" >&2; \
 	fi
+
+# The live page is looked at in a browser, wherever one is or can be had.
+browser:
+	@sh tests/chromium.sh || echo "without it the live page is tested without a browser" >&2
 
 lint: $(VENV)/.dev
 	$(BIN)/ruff check .

@@ -15,6 +15,7 @@ from usmbench.cli.sweep_run import sweep_again, sweep_new
 from usmbench.errors import BenchError, InputError
 from usmbench.instruments.generator import SignalGenerator
 from usmbench.runs.meta import read_meta
+from usmbench.runs.stop_request import STOP_FILE, request_stop
 from usmbench.settings.bench import BenchSettings, TemperatureSettings
 from usmbench.settings.plan import Plan
 from usmbench.settings.plan_file import parse_plan
@@ -133,6 +134,38 @@ def test_a_run_taken_up_has_the_dwells_of_one_that_was_never_stopped(
     assert t_s == sorted(set(t_s))
     with pytest.raises(InputError, match="complete"):
         sweep_again(bench_of()[1], plan, parts)
+
+
+class AskToStop(StopAfter):
+    """Somebody at another process who wants to stop once so many windows have been measured."""
+
+    def __init__(self, windows: int, folder: Path):
+        super().__init__(windows)
+        self.folder = folder
+
+    def window(self, row: WindowRow, standing: Standing) -> None:
+        self.left -= 1
+        if self.left == 0:
+            request_stop(self.folder)
+
+
+def test_a_stop_request_switches_off_and_is_forgotten_when_the_run_is_taken_up(
+    tmp_path: Path,
+) -> None:
+    folder = tmp_path / "run"
+    plan = plan_of(passes=[{"phase_deg": [90]}], dwell={"windows": 20_000})
+    _, bench = bench_of()
+    with pytest.raises(KeyboardInterrupt, match="stop request"):
+        sweep_new(bench, plan, folder, observer=AskToStop(30, folder))
+    assert not bench.generator.outputs_on
+    assert read_meta(folder)["exit"] == "interrupted"
+    assert not (folder / STOP_FILE).exists()
+    # One that came when nobody was left to take it must not stop the next.
+    request_stop(folder)
+    _, bench = bench_of()
+    with pytest.raises(KeyboardInterrupt) as stopped:
+        sweep_again(bench, plan, folder, observer=StopAfter(30))
+    assert not stopped.value.args
 
 
 @pytest.mark.parametrize(
