@@ -14,6 +14,7 @@
 //
 // Everything that happens is a JSON line on standard output; each command's last has "done".
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -36,6 +37,7 @@
 namespace {
 
 constexpr double kStartUpSeconds = 1e-3;  // the firmware listens before a host can speak
+constexpr double kMostBehindSeconds = 0.02;
 constexpr uint64_t kLongestReply = 50 * 10 * kCyclesPerBit;
 
 void log_word(const std::string &chips, const Ad9833 &chip) {
@@ -177,13 +179,16 @@ int run_terminal(Board &board) {
     board.pic.run_until(static_cast<uint64_t>(kStartUpSeconds * kCyclesPerSecond));
     log_event(std::string("\"pty\": \"") + ptsname(terminal) + "\"");
     log_flush();
-    const double start = seconds() - kStartUpSeconds;
+    double start = seconds() - kStartUpSeconds;
     for (;;) {
         // Wakes for the host's bytes, every half millisecond for time, and ends with its parent.
         pollfd watched[] = {{terminal, POLLIN, 0}, {STDIN_FILENO, 0, 0}};
         timespec nap = {0, 500000};
         ppoll(watched, 2, &nap, nullptr);
         if (watched[1].revents & (POLLHUP | POLLERR)) return 0;
+        // What a stopped or busy machine missed is left out, not caught up: replies would come late.
+        const double reached = static_cast<double>(now()) / kCyclesPerSecond;
+        start = std::max(start, seconds() - reached - kMostBehindSeconds);
         board.pic.run_until(static_cast<uint64_t>((seconds() - start) * kCyclesPerSecond));
         follow_baud(board, terminal);
         unsigned char bytes[256];

@@ -114,6 +114,10 @@ class MachineLine:
 class PortLine:
     """The line to a real board."""
 
+    # For the next byte, the host's and an adapter's own delays included: of an answer that is
+    # expected or has begun; and after a whole one, where another may follow.
+    ANSWER_TIMEOUT_S, GAP_S = 0.5, 0.1
+
     def __init__(self, port: serial.Serial):
         self.port = port
 
@@ -125,9 +129,16 @@ class PortLine:
         time.sleep(duration_s)
 
     def received(self) -> list[bytes]:
-        frames = []
-        while frame := self.port.read_until(b"\0"):
-            frames.append(frame)
+        frames, frame = [], b""
+        self.port.timeout = self.ANSWER_TIMEOUT_S
+        while byte := self.port.read(1):
+            frame += byte
+            self.port.timeout = self.ANSWER_TIMEOUT_S
+            if byte == b"\0":
+                frames.append(frame)
+                frame = b""
+                self.port.timeout = self.GAP_S
+        assert frame == b""
         return frames
 
 
@@ -224,7 +235,7 @@ def host(request: pytest.FixtureRequest) -> Iterator[Host]:
         if request.param != "real":
             yield open_simulated(request.param, stack)
             return
-        port = stack.enter_context(closing(serial.Serial(REAL_PORT, wire.BAUD, timeout=0.05)))
+        port = stack.enter_context(closing(serial.Serial(REAL_PORT, wire.BAUD)))
         real = Host(PortLine(port))
         real.exchange(b"\0")
         real.ask(RequestType.OUTPUTS, 0)
