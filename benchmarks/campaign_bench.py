@@ -23,7 +23,6 @@ Array = NDArray[np.float64]
 
 _REFERENCES: Final = (*PLANS, PLANS[0])
 _REFERENCE_S: Final = 40.0
-_MOVING_RAD_S: Final = 0.5
 _FRESH: Final = 5000
 _FRESH_EVERY: Final = 3  # a fresh run costs as much as the draw itself
 
@@ -117,16 +116,18 @@ class MotorBench:
             for k, kind in enumerate(_REFERENCES)
         ]
         references = measure_all(runs, healthy)
-        self.noise_rad_s = self._noise(references[0], healthy[0].excited)
+        self.noise_rad_s = {
+            run.excited.kind: self._noise(reference, run.excited)
+            for reference, run in zip(references[: len(PLANS)], healthy, strict=False)
+        }
         _command("identify", *references, "--out", self.model)
 
     def _noise(self, reference: Path, excited: Excited) -> float:
-        """Noise of a window, from a run with the torque noise and one without."""
-        steady = replace(self._motor, wander=0.0)
-        noisy = Measured(steady, excited, 900).folder(self._runs) if self._motor.wander else None
-        speed = read_run(noisy or reference).speed_rad_s
-        noise = speed - self._quiet(excited, 0)
-        return 1.4826 * float(np.median(np.abs(noise[np.abs(speed) > _MOVING_RAD_S])))
+        """Root mean square of a window's noise: a run with it less one without, and the wander."""
+        quiet = self._quiet(excited, 0)
+        noise = read_run(reference).speed_rad_s - quiet
+        wandered = float(noise @ quiet) / float(quiet @ quiet)
+        return float(np.sqrt(np.mean((noise - wandered * quiet) ** 2)))
 
     def _quiet(self, excited: Excited, run_seed: int, defects: tuple[Defect, ...] = ()) -> Array:
         """Speed without noise and wander."""
@@ -153,7 +154,7 @@ class MotorBench:
         run = Measured(motor, excited, draw.number, defects, draw.wire).folder(self._runs)
         if defects:
             effect = self.effect_rad_s(excited, draw.number, defects)
-            outcome.strength = float(np.sqrt(np.mean(effect**2))) / self.noise_rad_s
+            outcome.strength = float(np.sqrt(np.mean(effect**2))) / self.noise_rad_s[excited.kind]
             outcome.oracle_gain = self._oracle_gain(run, draw, effect)
         found, extended = self._folder / "found.json", self._folder / "extended.yaml"
         try:

@@ -15,10 +15,12 @@ from hil_sim.fault_entries import parse_fault, read_faults
 from hil_sim.faults import FaultKind, FaultSchedule
 from hil_sim.gpsim_board import GpsimBoard
 from hil_sim.gpsim_bridge import GpsimBridge
+from hil_sim.model_plant import ModelPlant
 from hil_sim.plant import MotorPlant, PlantParameters
 from hil_sim.running import RunningTestbed
 from hil_sim.testbed import BoardMachine, FaultablePlant
 from usmbench.errors import BenchError, InputError, UsmbenchError
+from usmbench.model.model_file import read_model
 
 # The pseudo-terminal's thread must get its turn within a byte's time, whatever the others compute.
 _SWITCH_INTERVAL_S: Final = 100e-6
@@ -50,7 +52,14 @@ def _parser() -> argparse.ArgumentParser:
         help=f"a fault and its simulated time; kinds: {', '.join(FaultKind)}",
     )
     parser.add_argument("--fault-file", type=Path, metavar="FILE", help="faults as a YAML list")
-    parser.add_argument(
+    motor = parser.add_mutually_exclusive_group()
+    motor.add_argument(
+        "--model",
+        type=Path,
+        metavar="MODEL.yaml",
+        help="the motor as a model file says, identified or extended by a diagnosis; no noise",
+    )
+    motor.add_argument(
         "--defect",
         action="append",
         default=[],
@@ -76,7 +85,7 @@ def _board(kind: str) -> Iterator[BoardMachine]:
             yield GpsimBoard(bridge)
 
 
-def build_plant(defects: Sequence[str], seed: int) -> FaultablePlant:
+def build_plant(defects: Sequence[str], seed: int, model: Path | None = None) -> FaultablePlant:
     """Return the motor, with what is wrong with it.
 
     Parameters
@@ -85,12 +94,16 @@ def build_plant(defects: Sequence[str], seed: int) -> FaultablePlant:
         Mechanisms and sizes, as the command line gives them; may be empty.
     seed
         Seed of the noise.
+    model
+        Model file that the motor follows instead of its physics, or None.
 
     Raises
     ------
     usmbench.errors.InputError
-        There is no such mechanism.
+        There is no such mechanism, or the model will not do.
     """
+    if model is not None:
+        return ModelPlant(read_model(model))
     if not defects:
         return MotorPlant(seed=seed)
     return defective_plant(PlantParameters(), [parse_defect(text) for text in defects], seed=seed)
@@ -102,7 +115,7 @@ def _run(arguments: argparse.Namespace) -> None:
     faults = [parse_fault(text) for text in arguments.fault]
     if arguments.fault_file is not None:
         faults += read_faults(arguments.fault_file)
-    plant = build_plant(arguments.defect, arguments.seed)
+    plant = build_plant(arguments.defect, arguments.seed, arguments.model)
     schedule = FaultSchedule(faults)
     sys.setswitchinterval(_SWITCH_INTERVAL_S)
     with (
