@@ -22,9 +22,9 @@ from usmbench.runs.record import Record
 Array = NDArray[np.float64]
 
 _REFERENCES: Final = (*PLANS, PLANS[0])
-_REFERENCE_S: Final = 40.0
+_REFERENCE_S: Final = 30.0
 _FRESH: Final = 5000
-_FRESH_EVERY: Final = 3  # a fresh run costs as much as the draw itself
+_FRESH_EVERY: Final = 4  # a fresh run costs as much as the draw itself
 
 
 @dataclass(slots=True)

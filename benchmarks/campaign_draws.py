@@ -13,7 +13,7 @@ from usmbench.model.effects.registry import library
 
 STRENGTHS = (0.3, 1.0, 3.0, 10.0)
 COLOURS_S = (0.003, 0.01, 0.03)
-LENGTHS_S = (15.0, 45.0)
+LENGTHS_S = (12.0, 30.0)
 WANDERS = (0.0, 0.003, 0.01)
 GROUPS = (
     *("single", "nothing", "single", "outside", "single", "two"),
@@ -120,9 +120,10 @@ def draws(
     for k in range(n_draws):
         turn = motor * n_draws + k
         hidden = hide(GROUPS[turn % len(GROUPS)], turn, float(rng.choice(strengths)), rng)
-        kind = PLANS[int(rng.integers(len(PLANS)))]
-        duration_s = LENGTHS_S[int(rng.integers(len(LENGTHS_S)))]
-        yield Draw(k, hidden, Excited(kind, duration_s, 1000 + motor), k < n_wire)
+        plan = int(rng.integers(len(PLANS)))
+        # One length a plan and motor: half the healthy runs to compare with.
+        duration_s = LENGTHS_S[(motor + plan) % len(LENGTHS_S)]
+        yield Draw(k, hidden, Excited(PLANS[plan], duration_s, 1000 + motor), k < n_wire)
 
 
 def hide(group: str, turn: int, strength: float, rng: np.random.Generator) -> Hidden:

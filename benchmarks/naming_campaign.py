@@ -1,6 +1,6 @@
 """Hide a cause in a motor, drive the sweep, diagnose the run folder, and count what is named.
 
-    python benchmarks/naming_campaign.py [--motors 30] [--draws 12] [--seed 1] [--small]
+    python benchmarks/naming_campaign.py [--motors 25] [--draws 12] [--seed 1] [--small]
 
 Every draw is fixed by the seeds. The diagnosis sees run folders and a model identified from the
 healthy motor's reference runs, nothing else. `--runs DIR` keeps the run folders, and takes those
@@ -92,9 +92,9 @@ def main(argv: list[str] | None = None) -> int:
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--motors", type=int, default=30)
+    parser.add_argument("--motors", type=int, default=25)
     parser.add_argument("--draws", type=int, default=12, help="draws of each motor")
-    parser.add_argument("--through-wire", type=int, default=1, help="draws a motor over pty, gRPC")
+    parser.add_argument("--through-wire", type=int, default=2, help="draws a motor over pty, gRPC")
     parser.add_argument("--wanders", type=float, nargs="+", default=list(WANDERS))
     parser.add_argument("--strengths", type=float, nargs="+", default=list(STRENGTHS))
     parser.add_argument("--minutes", type=float, default=120.0, help="no new motor after that")
