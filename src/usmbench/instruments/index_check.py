@@ -45,10 +45,13 @@ class IndexState:
     ----------
     up, down
         Position at which the index is expected, in counts, or None before the first pass.
+    last
+        Direction of the last pass, 0 before the first.
     """
 
     up: int | None = None
     down: int | None = None
+    last: int = 0
 
 
 def check_index(
@@ -79,17 +82,20 @@ def check_index(
     key = "up" if passed.direction > 0 else "down"
     reference: int | None = getattr(state, key)
     if reference is None:
-        return replace(state, **{key: passed.position}), None
+        return replace(state, last=passed.direction, **{key: passed.position}), None
     travelled = passed.position - reference
-    turns = passed.direction * passed.pulses if passed.steady else round(travelled / counts_per_rev)
+    # A shaft that turned round upon the mark is steady since a pulse of the other direction.
+    steady = passed.steady and state.last == passed.direction
+    turns = passed.direction * passed.pulses if steady else round(travelled / counts_per_rev)
     error = travelled - turns * counts_per_rev
     if abs(error) <= max(1, abs(passed.step)):
-        return replace(state, **{key: reference + turns * counts_per_rev}), 0
+        expected = reference + turns * counts_per_rev
+        return replace(state, last=passed.direction, **{key: expected}), 0
     # What is missing is missing in both directions.
     other = "down" if key == "up" else "up"
     known: int | None = getattr(state, other)
     moved = None if known is None else known + error
-    return IndexState(**{key: passed.position, other: moved}), error
+    return IndexState(last=passed.direction, **{key: passed.position, other: moved}), error
 
 
 @dataclass(frozen=True, slots=True)

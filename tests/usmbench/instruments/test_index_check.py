@@ -1,5 +1,6 @@
 """The index pulse against lost counts and wrong counts per revolution."""
 
+from itertools import pairwise
 from math import pi
 
 import numpy as np
@@ -66,6 +67,16 @@ def test_reversals_over_the_index_are_no_error(
     t_s = np.arange(200_000) / RATE_HZ
     angle = start_rad + drift * t_s + amplitude_rad * np.sin(2 * pi * rate_hz * t_s)
     assert set(errors(blocks_of(angle))) <= {0}
+
+
+def test_turning_round_upon_the_mark_is_no_error() -> None:
+    turns_at = np.array([1500, 100, 700 + 3 * 2000, 100 - 2000])
+    counts = [np.arange(a, b, np.sign(b - a)) for a, b in pairwise(turns_at)]
+    # Ten samples a count, the last count before the way back on the mark itself.
+    angle = np.repeat(np.concatenate((*counts, [700 + 3 * 2000])) + 0.5, 10) * 2 * pi / 2000
+    at_mark = sum(map(len, counts[:2])) * 10
+    angle = np.insert(angle[:-10], at_mark, angle[-10:])
+    assert set(errors(blocks_of(angle))) == {0}
 
 
 def test_dither_on_the_index_is_no_error() -> None:
