@@ -22,7 +22,7 @@ from usmbench.runs.record import Record
 Array = NDArray[np.float64]
 
 _REFERENCES: Final = (*PLANS, PLANS[0])
-_REFERENCE_S: Final = 30.0
+REFERENCE_S: Final = 30.0
 _FRESH: Final = 5000
 _FRESH_EVERY: Final = 4  # a fresh run costs as much as the draw itself
 
@@ -106,13 +106,15 @@ class MotorBench:
         Folder for models and results.
     motor
         The motor.
+    reference_s
+        Duration of each of the four runs it is identified on.
     """
 
-    def __init__(self, runs: Path, folder: Path, motor: Motor):
+    def __init__(self, runs: Path, folder: Path, motor: Motor, reference_s: float = REFERENCE_S):
         self._runs, self._folder, self._motor = runs, folder, motor
         self.model = folder / "model.yaml"
         healthy = [
-            Measured(motor, Excited(kind, _REFERENCE_S, 900 + k), 900 + k)
+            Measured(motor, Excited(kind, reference_s, 900 + k), 900 + k)
             for k, kind in enumerate(_REFERENCES)
         ]
         references = measure_all(runs, healthy)

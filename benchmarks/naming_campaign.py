@@ -19,10 +19,12 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from benchmarks.campaign_bench import MotorBench
+from benchmarks.campaign_bench import REFERENCE_S, MotorBench
 from benchmarks.campaign_draws import STRENGTHS, WANDERS, draws, motor_of
 from benchmarks.campaign_tables import Row, report, wrong_ones
 from usmbench.errors import UsmbenchError
+
+SMALL_REFERENCE_S = 12.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +43,8 @@ class Campaign:
         Sizes to draw from, in noise of a window.
     runs
         Folder of the runs; None keeps none.
+    reference_s
+        Duration of each of the runs that a motor is identified on.
     """
 
     seed: int
@@ -49,6 +53,7 @@ class Campaign:
     wanders: tuple[float, ...] = WANDERS
     strengths: tuple[float, ...] = STRENGTHS
     runs: Path | None = None
+    reference_s: float = REFERENCE_S
 
 
 def work(campaign: Campaign, number: int) -> list[str]:
@@ -59,7 +64,7 @@ def work(campaign: Campaign, number: int) -> list[str]:
         runs = campaign.runs or Path(folder) / "runs"
         runs.mkdir(exist_ok=True)
         try:
-            bench = MotorBench(runs, Path(folder), motor)
+            bench = MotorBench(runs, Path(folder), motor, campaign.reference_s)
             drawn = draws(
                 campaign.seed, number, campaign.n_draws, campaign.n_wire, campaign.strengths
             )
@@ -127,6 +132,7 @@ def _driven(arguments: argparse.Namespace) -> list[Row]:
         tuple(arguments.wanders),
         tuple(arguments.strengths),
         arguments.runs,
+        SMALL_REFERENCE_S if arguments.small else REFERENCE_S,
     )
     lines = []
     with tempfile.NamedTemporaryFile("w") as nowhere:

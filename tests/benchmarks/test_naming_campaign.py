@@ -1,0 +1,135 @@
+"""A small naming campaign, one draw of it through the serial port and the DAQ client."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.campaign_bench import MotorBench, Outcome
+from benchmarks.campaign_draws import GROUPS, STRENGTHS, Draw, Hidden, draws, hide, motor_of
+from benchmarks.campaign_runs import Excited, Measured, Motor
+from benchmarks.campaign_tables import report, share, wrong_ones
+from benchmarks.naming_campaign import SMALL_REFERENCE_S
+from hil_sim.defects import CATALOGUE
+from usmbench.runs.reader import read_run
+
+SHORT = Excited("staircase", 10.0, 5)
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory: pytest.TempPathFactory) -> MotorBench:
+    folder = tmp_path_factory.mktemp("campaign")
+    return MotorBench(folder, folder, Motor(4), SMALL_REFERENCE_S)
+
+
+def test_a_dead_channel_is_named_through_the_wire(bench: MotorBench) -> None:
+    hidden = Hidden("single", ("dead_direction=1",), ("unsigned_counts",), 1.0)
+    outcome = bench.diagnosed(Draw(1, hidden, SHORT, wire=True))
+    assert outcome.error == ""
+    assert outcome.judgement == "right"
+    assert outcome.strength > 10.0
+
+
+def test_a_large_scale_error_is_named_with_its_size_and_gain(bench: MotorBench) -> None:
+    hidden = Hidden("single", ("other_code_wheel=25.0",), ("speed_scale",), 30.0)
+    outcome = bench.diagnosed(Draw(4, hidden, SHORT, wire=False))
+    assert "speed_scale" in {*outcome.named, *outcome.alternatives}
+    assert outcome.oracle_gain == pytest.approx(1.0, abs=0.2)
+    assert outcome.fresh_gain is not None
+    assert outcome.fresh_gain == pytest.approx(outcome.oracle_gain, abs=0.2)
+    truth, _, value, _ = outcome.intervals["scale_error"]
+    assert truth == 0.05
+    assert value == pytest.approx(truth, abs=0.01)
+
+
+def test_the_wire_gives_the_rows_of_the_process(tmp_path: Path) -> None:
+    quick = replace(SHORT, kind="telegraph", duration_s=2.0)
+    runs = [Measured(Motor(4), quick, 3, wire=wire).folder(tmp_path) for wire in (False, True)]
+    in_process, wired = (read_run(run).speed_rad_s for run in runs)
+    assert np.array_equal(in_process, wired)
+
+
+def test_draws_repeat_and_go_through_every_mechanism() -> None:
+    first = [d for motor in range(10) for d in draws(3, motor, len(GROUPS), 1, STRENGTHS)]
+    again = [d for motor in range(10) for d in draws(3, motor, len(GROUPS), 1, STRENGTHS)]
+    assert first == again
+    drawn = {d.mechanism for draw in first for d in draw.hidden.made}
+    assert drawn == set(CATALOGUE)
+    assert sum(draw.wire for draw in first) == 10
+    assert {draw.hidden.group for draw in first} == {"single", "outside", "two", "nothing"}
+
+
+def test_motors_wander_in_turn() -> None:
+    assert [motor_of(1, k, (0.0, 0.01)).wander for k in range(3)] == [0.0, 0.01, 0.0]
+
+
+def test_two_causes_are_two() -> None:
+    rng = np.random.default_rng(1)
+    for turn in range(40):
+        hidden = hide("two", turn, 1.0, rng)
+        assert len(set(hidden.causes)) == 2
+
+
+@pytest.mark.parametrize(
+    ("group", "causes", "named", "alternatives", "judgement"),
+    [
+        ("single", ("a",), ["a"], [], "right"),
+        ("single", ("a",), ["a", "b"], [], "right, and more"),
+        ("single", ("a",), ["b"], ["a"], "in the set"),
+        ("single", ("a",), ["b"], [], "wrong"),
+        ("two", ("a", "b"), ["b", "a"], [], "right"),
+        ("two", ("a", "b"), ["a"], ["b"], "in the set"),
+        ("two", ("a", "b"), ["a"], [], "one of two"),
+        ("two", ("a", "b"), ["c"], [], "wrong"),
+        ("outside", (), ["c"], [], "wrong"),
+        ("outside", (), [], [], "unexplained"),
+    ],
+)
+def test_judgements(
+    group: str, causes: tuple[str, ...], named: list[str], alternatives: list[str], judgement: str
+) -> None:
+    outcome = Outcome(1, 1, Hidden(group, (), causes), "staircase", 10.0, 0.01, 0.0, False)
+    outcome.verdict, outcome.named, outcome.alternatives = "unexplained", named, alternatives
+    assert outcome.judgement == judgement
+
+
+def test_shares_have_exact_binomial_intervals() -> None:
+    # Tables for 8 of 10, for example Newcombe 1998 (doi:10.1002/sim.4780170802): 0.4439, 0.9748.
+    assert share(8, 10) == pytest.approx((0.8, 0.4439, 0.9748), abs=1e-4)
+    assert share(0, 10)[1] == 0.0
+    assert share(10, 10)[2] == 1.0
+
+
+def test_the_tables_count(capsys: pytest.CaptureFixture[str]) -> None:
+    row = {
+        "motor": 1,
+        "number": 2,
+        "hidden": {"group": "single", "defects": ["x=1"], "causes": ["a"], "strength": 1.0},
+        "plan": "staircase",
+        "duration_s": 12.0,
+        "correlation_s": 0.01,
+        "wander": 0.003,
+        "wire": True,
+        "strength": 1.5,
+        "verdict": "explained",
+        "named": ["a"],
+        "alternatives": [],
+        "gain": 0.9,
+        "oracle_gain": 1.0,
+        "fresh_gain": 0.8,
+        "intervals": {"size": [1.0, 0.9, 1.1, 1.2]},
+        "remainder": "",
+        "error": "",
+        "judgement": "right",
+    }
+    wrong = {**row, "judgement": "wrong", "named": ["b"], "wire": False}
+    nothing = {**row, "hidden": {**row["hidden"], "group": "nothing"}, "verdict": "unexplained"}  # type: ignore[dict-item]
+    report([row, wrong, nothing])
+    wrong_ones([row, wrong, nothing])
+    said = capsys.readouterr().out
+    assert "3 draws, 2 of them through" in said
+    assert "right first, size 1 x noise and more                50.0 %" in said
+    assert "false alarms, nothing hidden                       100.0 %" in said
+    assert "95 % interval holds the true parameter             100.0 %" in said
+    assert "-> b; staircase 12 s" in said
