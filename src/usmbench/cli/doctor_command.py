@@ -9,10 +9,10 @@ from dataclasses import asdict
 from usmbench.cli.bench_session import SIMULATED
 from usmbench.cli.json_output import write_json
 from usmbench.cli.simulated_bench import SimulatedOperator, simulated_settings, start_testbed
-from usmbench.cli.text_table import printable
 from usmbench.doctor.examination import examine
 from usmbench.doctor.finding import Finding
 from usmbench.errors import BenchError
+from usmbench.report.plain_text import printable
 from usmbench.settings.bench import BenchSettings
 from usmbench.settings.bench_file import load_bench
 from usmbench.sweep.interrupts import deferred_interrupts

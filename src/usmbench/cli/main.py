@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from usmbench import __version__
-from usmbench.cli.text_table import printable
 from usmbench.errors import InputError, UsmbenchError
+from usmbench.report.plain_text import printable
 
 STOPPED_BY_USER = 130
 
@@ -21,6 +21,8 @@ COMMANDS = {
     "replay": "a run's commands through a model, or through a bench again",
     "diagnose": "what the simulation gets wrong, why, and what it gains to know",
     "runs": "list what was measured, find it, check its data",
+    "show": "one run in some lines and a plot",
+    "compare": "two runs, setting by setting",
     "doctor": "walk through a bench: what each part says, and what to do about it",
     "export": "a run as Parquet, MATLAB, NetCDF or CSV",
     "import": "somebody else's CSV or .mat as a run folder",

@@ -7,8 +7,9 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from usmbench.cli.json_output import write_json
-from usmbench.cli.text_table import printable, text_table
+from usmbench.cli.text_table import text_table
 from usmbench.errors import InputError
+from usmbench.report.plain_text import printable
 from usmbench.runs.catalogue import RunSummary, changed_data, find_runs, parse_condition
 
 RUNS_FOLDER = Path("runs")

@@ -2,16 +2,7 @@
 
 from collections.abc import Sequence
 
-
-def printable(text: str) -> str:
-    """Return text with `�` for what a terminal would obey instead of show.
-
-    Parameters
-    ----------
-    text
-        Such as a name from a file that somebody else wrote.
-    """
-    return "".join(letter if letter.isprintable() else "�" for letter in text)
+from usmbench.report.plain_text import printable
 
 
 def text_table(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> str:

@@ -1,11 +1,13 @@
 """The plot of ``replay --plot``: measurement, free run, and what lies between them."""
 
+import warnings
 from pathlib import Path
 
 from matplotlib.figure import Figure
 
 from usmbench.errors import InputError
 from usmbench.model.replay import Replay
+from usmbench.report.plain_text import short_name
 from usmbench.runs.record import Record
 
 
@@ -48,7 +50,8 @@ def write_replay_plot(path: Path, record: Record, replay: Replay) -> None:
     top.set_ylabel("speed ω (rad/s)")
     top.legend(loc="best", frameon=False)
     fit = "" if replay.fit_percent is None else f", fit {replay.fit_percent:.1f} %"
-    top.set_title(f"{record.name}: RMSE {replay.rmse_rad_s:.3g} rad/s{fit}")
+    name = short_name(record.name)
+    top.set_title(f"{name}: RMSE {replay.rmse_rad_s:.3g} rad/s{fit}", parse_math=False)
     bottom.plot(record.t_s[inside], error_rad_s[inside], ".", ms=2, color="C1")
     bottom.axhline(0.0, lw=0.6, color="0.3")
     bottom.set_ylabel("ω − ω̂ (rad/s)")
@@ -72,7 +75,10 @@ def save_figure(figure: Figure, path: Path) -> None:
         The file cannot be written, or its format is unknown.
     """
     try:
-        figure.savefig(path, dpi=130)
+        with warnings.catch_warnings():
+            # A run's name may hold letters that the plot's font does not have.
+            warnings.filterwarnings("ignore", "Glyph .* missing from font")
+            figure.savefig(path, dpi=130)
     except (OSError, ValueError) as error:
         raise InputError(
             f"cannot be written ({error}); give a .png, .svg or .pdf", file=path
