@@ -12,12 +12,13 @@ from usmbench.runs.writer import RunWriter
 from usmbench.settings.bench import BenchSettings, InterlockSettings
 from usmbench.settings.bench_file import bench_document
 from usmbench.settings.plan import Plan
-from usmbench.sweep.controller import Instruments, Start, SweepController
+from usmbench.sweep.controller import Instruments, SweepController
 from usmbench.sweep.interrupts import deferred_interrupts
 from usmbench.sweep.observer import Observer
 from usmbench.sweep.preflight import check_plan, interlocks_of
 from usmbench.sweep.schedule import Dwell, schedule
 from usmbench.sweep.summary import n_windows
+from usmbench.sweep.window_reader import Start
 
 
 @dataclass(frozen=True, slots=True)

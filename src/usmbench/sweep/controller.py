@@ -4,23 +4,18 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import chain
 
-import numpy as np
-
 from usmbench.errors import BenchError
-from usmbench.instruments.encoder import EncoderGeometry, EncoderState, WindowMotion, decode
-from usmbench.instruments.samples import SampleBlock, SampleSource
+from usmbench.instruments.samples import SampleSource
 from usmbench.settings.bench import BenchSettings, InterlockSettings
 from usmbench.sweep.drive import CommandedDrive, DriveControl, Setting
-from usmbench.sweep.interlocks import STILL_COUNTS, InterlockState, Seen, watch
 from usmbench.sweep.interrupts import Interrupts, deferred_interrupts
 from usmbench.sweep.observer import Observer, Standing
 from usmbench.sweep.operator import Operator
-from usmbench.sweep.rows import PairRow, Sink, WindowRow
+from usmbench.sweep.rows import PairRow, Sink
 from usmbench.sweep.schedule import Dwell
 from usmbench.sweep.settling import Settling
 from usmbench.sweep.summary import WINDOWS_BEFORE, windows_after
-
-HEARTBEAT_S = 0.25
+from usmbench.sweep.window_reader import FROM_ZERO, Start, WindowReader
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,22 +35,6 @@ class Instruments:
     drive: DriveControl
     source: SampleSource
     operator: Operator
-
-
-@dataclass(frozen=True, slots=True)
-class Start:
-    """Where the rows begin; not at zero for a run that is taken up again.
-
-    Parameters
-    ----------
-    t_s
-        End of the last window there is.
-    angle_rad
-        Shaft angle there.
-    """
-
-    t_s: float = 0.0
-    angle_rad: float = 0.0
 
 
 class SweepController:
@@ -91,7 +70,7 @@ class SweepController:
         *,
         observer: Observer | None = None,
         ask_operator: bool = False,
-        start: Start = Start(),
+        start: Start = FROM_ZERO,
         check_stop: Callable[[], None] | None = None,
     ):
         source = instruments.source
@@ -100,17 +79,10 @@ class SweepController:
         self._sink = sink
         self._observer = observer
         self._ask_operator = ask_operator
-        self._start = start
         self._check_stop = check_stop
-        self._edge_timed = bench.encoder.speed == "edge_timed"
-        self._geometry = EncoderGeometry(
-            bench.counts_per_rev, source.counter_bits, bench.encoder.sign, source.sample_rate_hz
-        )
-        self._window_s = source.samples_per_block / source.sample_rate_hz
-        self._heartbeat_samples = int(HEARTBEAT_S * source.sample_rate_hz)
         self._commands = CommandedDrive(instruments.drive, source)
-        self._encoder = EncoderState()
-        self._interlocks = InterlockState()
+        self._reader = WindowReader(source, self._commands, bench, interlocks, start)
+        self._window_s = source.samples_per_block / source.sample_rate_hz
         self._torque_nm: float | None = None
         self._hands_off = True
         self._windows_left = 0
@@ -175,7 +147,7 @@ class SweepController:
         settling = Settling(dwell.settle)
         t_s = 0.0
         left_after = self._windows_left - dwell.windows
-        while not _is_done(settling, dwell):
+        while not settling.has_enough(dwell.windows, dwell.extend_to_windows):
             t_s = self._window(settling)
             self._windows_left = left_after + max(dwell.windows - settling.n_windows, 0)
         self._windows_left = left_after
@@ -220,73 +192,11 @@ class SweepController:
         self._interrupts.check()
         if self._check_stop is not None:
             self._check_stop()
-        block = self._instruments.source.next_block()
-        self._encoder, motion = decode(self._encoder, block, self._geometry)
-        end_sample = block.first_sample + len(block.counts)
-        setting = self._commands.in_force(end_sample)
-        row = self._row(block, motion, setting, end_sample, settling)
+        block, row = self._reader.read(settling)
         self._sink.raw(block)
         self._sink.window(row)
-        self._interlocks = watch(
-            self._interlocks, self._seen(block, motion, setting), self._interlock_settings
-        )
-        self._commands.keep_alive(end_sample, self._heartbeat_samples)
+        self._reader.watch(hands_off=self._hands_off)
         if self._observer is not None:
-            standing = Standing(self._windows_left, self._interlocks, not self._hands_off)
+            standing = Standing(self._windows_left, self._reader.interlocks, not self._hands_off)
             self._observer.window(row, standing)
         return row.t_s
-
-    def _row(
-        self,
-        block: SampleBlock,
-        motion: WindowMotion,
-        setting: Setting,
-        end_sample: int,
-        settling: Settling | None,
-    ) -> WindowRow:
-        speed_rad_s = motion.edge_timed_rad_s if self._edge_timed else motion.average_rad_s
-        # Windows that were on their way while the command was sent belong to no dwell.
-        counts = settling is not None and end_sample > self._commands.complete_at
-        return WindowRow(
-            self._start.t_s + end_sample / self._geometry.sample_rate_hz,
-            setting.phase_deg,
-            speed_rad_s,
-            setting.frequency_hz,
-            setting.torque_nm,
-            self._start.angle_rad + motion.angle_rad,
-            motion.window_s,
-            setting.sweep,
-            settling.add(speed_rad_s) if settling is not None and counts else 0,
-            motion.average_rad_s,
-            setting.drive_on,
-            block.temperature_c,
-        )
-
-    def _seen(self, block: SampleBlock, motion: WindowMotion, setting: Setting) -> Seen:
-        edges = 0
-        if abs(motion.counts) <= STILL_COUNTS and (
-            setting.drive_on or motion.index_error_counts is not None
-        ):
-            edges = int(np.count_nonzero(np.diff(block.counts)))
-        return Seen(
-            setting.phase_deg,
-            setting.frequency_hz,
-            setting.torque_nm,
-            bool(setting.drive_on),
-            motion.average_rad_s,
-            motion.counts,
-            edges,
-            self._window_s,
-            block.temperature_c,
-            motion.index_error_counts,
-            self._hands_off,
-        )
-
-
-def _is_done(settling: Settling, dwell: Dwell) -> bool:
-    """Return whether a dwell has what it needs, or has run out of windows."""
-    if settling.n_windows < dwell.windows:
-        return False
-    if dwell.settle is None or settling.n_windows >= dwell.extend_to_windows:
-        return True
-    return settling.n_settled >= max(1, dwell.settle.over_windows)

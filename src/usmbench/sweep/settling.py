@@ -66,6 +66,22 @@ class Settling:
         tolerance = max(settle.tolerance_rad_s, settle.relative * abs(later))
         return abs(later - earlier) <= tolerance
 
+    def has_enough(self, windows: int, extend_to_windows: int) -> bool:
+        """Return whether the dwell has what it needs, or has run out of windows.
+
+        Parameters
+        ----------
+        windows
+            Windows of a dwell that settles in time.
+        extend_to_windows
+            Windows after which one that has not settled ends all the same.
+        """
+        if self.n_windows < windows:
+            return False
+        if self._settle is None or self.n_windows >= extend_to_windows:
+            return True
+        return self.n_settled >= max(1, self._settle.over_windows)
+
     def pair(self) -> tuple[float, float, int]:
         """Return mean speed, its standard deviation and the number of windows they come from.
 

@@ -10,13 +10,13 @@ from usmbench.settings.bench import BenchSettings, InterlockSettings
 from usmbench.settings.plan import Plan
 from usmbench.settings.plan_file import parse_plan
 from usmbench.settings.yaml_source import Source
-from usmbench.sweep.controller import Start, SweepController
+from usmbench.sweep.controller import SweepController
 from usmbench.sweep.schedule import schedule
 from usmbench.sweep.summary import WINDOWS_BEFORE, n_windows, windows_after
+from usmbench.sweep.window_reader import FROM_ZERO, Start
 
 WINDOW_S = 0.01
 LIMITS = InterlockSettings()
-FROM_ZERO = Start()
 AFTER = windows_after(LIMITS, WINDOW_S)
 
 
