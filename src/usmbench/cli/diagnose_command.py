@@ -4,11 +4,17 @@ import argparse
 import sys
 from pathlib import Path
 
+import yaml
+
+from usmbench.cli.deciding_runs import Judged, decide, judge
 from usmbench.cli.json_output import write_json
-from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.result import Diagnosis
+from usmbench.errors import InputError
+from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.model_file import read_model, write_model
 from usmbench.runs.reader import read_run
+
+_BUDGET = 3
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,10 +30,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, metavar="EXTENDED.yaml", help="the extended model")
     parser.add_argument("--json", metavar="FILE", help="result as JSON; - is standard output")
     parser.add_argument("--report", type=Path, metavar="FILE.html", help="a page that shows it all")
+    parser.add_argument(
+        "--next", type=Path, metavar="PLAN.yaml", help="the next experiment, as a plan for sweep"
+    )
+    parser.add_argument(
+        "--bench",
+        metavar="BENCH.yaml",
+        help="run the next experiment there, and the next, until one cause is left",
+    )
+    parser.add_argument(
+        "--budget", type=int, metavar="N", help=f"most experiments to run [{_BUDGET}]"
+    )
+    parser.add_argument(
+        "--runs-folder", type=Path, metavar="DIR", help="folder for their runs [runs]"
+    )
 
 
 def run(args: argparse.Namespace) -> int:
-    """Diagnose, write what was asked for, and say what was found.
+    """Diagnose, decide where a bench is given, write what was asked for, say what was found.
 
     Parameters
     ----------
@@ -37,30 +57,77 @@ def run(args: argparse.Namespace) -> int:
     Raises
     ------
     usmbench.errors.InputError
-        A run or the model will not do.
+        A run, the model, the bench or the arguments will not do.
+    KeyboardInterrupt
+        The user stopped an experiment; the drive is off and the run folder closed.
+    usmbench.errors.BenchError
+        The bench failed; likewise.
     """
+    budget = _checked_budget(args)
     model = read_model(args.model)
-    records = [read_run(path) for path in args.runs]
-    result = diagnose(records, model)
-    for warning in result.warnings:
+    judged = judge([read_run(path) for path in args.runs], model)
+    quiet = args.json == "-"
+    if args.bench is not None:
+        runs = args.runs_folder or Path("runs")
+        for after in decide(judged, model, args.bench, budget, runs):
+            if not quiet:
+                print(f"{_lines(judged.diagnosis)}\ndriven     {after.records[-1].name}\n")
+            judged = after
+    for warning in judged.diagnosis.warnings:
         print(f"usmbench: warning: {warning}", file=sys.stderr)
-    if args.out is not None:
-        write_model(args.out, result.extended)
-    if args.report is not None:
-        from usmbench.report.diagnosis_page import write_diagnosis_page
-
-        write_diagnosis_page(args.report, result, records, model, args.model)
-    if args.json:
-        write_json(args.json, result.to_json())
-    if args.json != "-":
-        print(_lines(result))
+    _write(args, judged, model)
+    if not quiet:
+        print(_lines(judged.diagnosis))
     return 0
 
 
-def _lines(result: Diagnosis) -> str:
+def _checked_budget(args: argparse.Namespace) -> int:
+    """Refuse arguments that mean nothing together; return how many experiments may be run."""
+    if args.bench is None:
+        for name in ("budget", "runs_folder"):
+            if getattr(args, name) is not None:
+                shown = name.replace("_", "-")
+                raise InputError(f"--{shown} is for experiments; name their bench with --bench")
+    budget = _BUDGET if args.budget is None else int(args.budget)
+    if budget < 1:
+        raise InputError(f"a budget of {budget} experiments runs none; choose at least 1")
+    return budget
+
+
+def _write(args: argparse.Namespace, judged: Judged, model: HammersteinModel) -> None:
+    """Write the files that were asked for."""
+    found = judged.diagnosis
+    if args.out is not None:
+        write_model(args.out, found.extended)
+    if args.next is not None:
+        _write_plan(args.next, found)
+    if args.report is not None:
+        from usmbench.report.diagnosis_page import write_diagnosis_page
+
+        write_diagnosis_page(args.report, found, judged.records, model, args.model)
+    if args.json:
+        write_json(args.json, found.to_json())
+
+
+def _write_plan(file: Path, found: Diagnosis) -> None:
+    """Write the next experiment, or say that there is none."""
+    if found.next_experiment is None:
+        print(f"usmbench: no experiment is proposed; {file} is not written", file=sys.stderr)
+        return
+    try:
+        file.write_text(
+            yaml.safe_dump(found.next_experiment["plan"], sort_keys=False, width=100),
+            encoding="utf-8",
+        )
+    except OSError as error:
+        message = f"cannot be written ({error.strerror}); name another file for --next"
+        raise InputError(message, file=file) from None
+
+
+def _lines(found: Diagnosis) -> str:
     """Say what was found."""
-    lines = [f"verdict    {result.verdict}"]
-    for cause in result.causes:
+    lines = [f"verdict    {found.verdict}"]
+    for cause in found.causes:
         sizes = ", ".join(
             f"{p.name} {p.value:.4g} ({p.low:.4g} … {p.high:.4g})" for p in cause.parameters
         )
@@ -70,15 +137,20 @@ def _lines(result: Diagnosis) -> str:
         if cause.alternatives:
             lines.append(f"           cannot be told from {', '.join(cause.alternatives)}")
     lines.append(
-        f"RMSE       {result.rmse_simulation_rad_s:.4g} rad/s, extended "
-        f"{result.rmse_extended_rad_s:.4g}, noise {result.noise_floor_rad_s:.4g} (held out)"
+        f"RMSE       {found.rmse_simulation_rad_s:.4g} rad/s, extended "
+        f"{found.rmse_extended_rad_s:.4g}, noise {found.noise_floor_rad_s:.4g} (held out)"
     )
-    if result.causes:
+    if found.causes:
+        lines.append(f"gain       {found.gain:.3f} ({found.gain_low:.3f} … {found.gain_high:.3f})")
+    if found.remainder is not None:
+        lines.append(f"remainder  {found.remainder.says}")
+    if found.next_experiment is not None:
+        proposal = found.next_experiment
+        lines.append(f"next       {proposal['says']}")
         lines.append(
-            f"gain       {result.gain:.3f} ({result.gain_low:.3f} … {result.gain_high:.3f})"
+            f"           odds of telling them apart {proposal['odds_before']:.2f}, then "
+            f"{proposal['odds_after']:.2f}"
         )
-    if result.remainder is not None:
-        lines.append(f"remainder  {result.remainder.says}")
-    for name, reason in result.not_testable:
+    for name, reason in found.not_testable:
         lines.append(f"not tested {name}: {reason}")
     return "\n".join(lines)

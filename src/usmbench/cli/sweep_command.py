@@ -10,6 +10,7 @@ from typing import Any, TextIO
 
 from usmbench.cli.bench_session import SIMULATED, open_bench
 from usmbench.cli.live_panel import LivePanel
+from usmbench.cli.simulated_motor import SimulatedMotor
 from usmbench.cli.sweep_run import sweep_again, sweep_new
 from usmbench.errors import InputError
 from usmbench.runs.columns import RUN_FILE
@@ -46,6 +47,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--resume", type=Path, metavar="RUN", help="take up an interrupted run")
     parser.add_argument("--raw", action="store_true", help="keep the counter samples in raw.h5")
     parser.add_argument("--seed", type=int, metavar="N", help=f"seed of the {SIMULATED} bench")
+    parser.add_argument(
+        "--defect",
+        action="append",
+        default=[],
+        metavar="MECHANISM[=SIZE]",
+        help=f"something wrong with the motor of the {SIMULATED} bench (python -m hil_sim --help)",
+    )
     parser.add_argument(
         "--frame-log", type=Path, metavar="FILE", help="log every frame on the line"
     )
@@ -85,7 +93,7 @@ def run(args: argparse.Namespace) -> int:
 def _check_arguments(args: argparse.Namespace) -> None:
     """Refuse arguments that do not go together."""
     if args.resume is not None:
-        for name in ("plan", "out", "raw", "seed", "dry_run"):
+        for name in ("plan", "out", "raw", "seed", "defect", "dry_run"):
             if getattr(args, name):
                 shown = "PLAN.yaml" if name == "plan" else f"--{name.replace('_', '-')}"
                 raise InputError(f"--resume takes this from the run: leave {shown} out")
@@ -94,8 +102,9 @@ def _check_arguments(args: argparse.Namespace) -> None:
         raise InputError("no plan was named; give a plan file, or --resume RUN")
     if args.bench is None and not args.dry_run:
         raise InputError(f"no bench was named; give --bench BENCH.yaml or --bench {SIMULATED}")
-    if args.seed is not None and args.bench != SIMULATED:
-        raise InputError(f"--seed is for --bench {SIMULATED}; leave it out")
+    for name in ("seed", "defect"):
+        if getattr(args, name) not in (None, []) and args.bench != SIMULATED:
+            raise InputError(f"--{name} is for --bench {SIMULATED}; leave it out")
 
 
 def _check_absent(folder: Path) -> None:
@@ -106,12 +115,12 @@ def _check_absent(folder: Path) -> None:
 
 def _drive(args: argparse.Namespace, bench: str | BenchSettings, plan: Plan, folder: Path) -> int:
     """Open the bench and drive the plan, anew or again."""
-    testbed = [] if args.seed is None else ["--seed", str(args.seed)]
+    motor = SimulatedMotor(args.seed, tuple(args.defect))
     # The guard reaches round the bench: closing it must not be cut short either.
     with (
         _frame_log(args.frame_log) as log,
         deferred_interrupts() as interrupts,
-        open_bench(bench, testbed_arguments=testbed, frame_log=log) as opened,
+        open_bench(bench, testbed_arguments=motor.arguments, frame_log=log) as opened,
     ):
         interrupts.check()
         limits = interlocks_of(plan, opened.settings)
@@ -122,8 +131,7 @@ def _drive(args: argparse.Namespace, bench: str | BenchSettings, plan: Plan, fol
             if args.resume is not None:
                 sweep_again(opened, plan, folder, observer=panel)
             else:
-                meta = {} if args.seed is None else {"seed": args.seed}
-                sweep_new(opened, plan, folder, raw=args.raw, meta=meta, observer=panel)
+                sweep_new(opened, plan, folder, raw=args.raw, meta=motor.meta, observer=panel)
     return 0
 
 
@@ -146,7 +154,8 @@ def _resume(args: argparse.Namespace) -> int:
     bench: str | BenchSettings = args.bench or parse_bench(_part(folder, meta, "bench"))
     if isinstance(bench, BenchSettings) and bench.name == SIMULATED:
         bench = SIMULATED
-    args.seed = meta.get("seed") if bench == SIMULATED else None
+    motor = SimulatedMotor.of_run(meta if bench == SIMULATED else {})
+    args.seed, args.defect = motor.seed, motor.defects
     return _drive(args, bench, plan, folder)
 
 

@@ -117,7 +117,8 @@ def test_ctrl_c_closes_the_run_and_resume_ends_it(
 ) -> None:
     folder = tmp_path / "out"
     opened.interrupt_at_block = 40
-    arguments = ["--bench", "simulated", "--seed", "7", "--out", str(folder)]
+    motor = ["--seed", "7", "--defect", "command_queue=4"]
+    arguments = ["--bench", "simulated", *motor, "--out", str(folder)]
     assert main(["sweep", str(plan), *arguments]) == 130
     assert capsys.readouterr().out == f"{folder}\n"
     assert yaml.safe_load((folder / "run.yaml").read_text())["exit"] == "interrupted"
@@ -125,7 +126,7 @@ def test_ctrl_c_closes_the_run_and_resume_ends_it(
     opened.interrupt_at_block = 0
     plan.unlink()
     assert main(["sweep", "--resume", str(folder)]) == 0
-    assert opened.arguments[1][1] == ["--seed", "7"]
+    assert opened.arguments[1][1] == motor
     assert len((folder / "pairs.csv").read_text().splitlines()) == 4
     capsys.readouterr()
     assert main(["sweep", "--resume", str(folder)]) == 2
@@ -155,6 +156,7 @@ def wrong(plan: Path, **keys: object) -> Path:
         (["plan.yaml", "--bench", "absent.yaml"], "absent.yaml: cannot be read"),
         (["plan.yaml", "--bench", "plan.yaml"], "write usmbench-bench/1"),
         (["plan.yaml", "--bench", "bench.yaml", "--seed", "3"], "leave it out"),
+        (["plan.yaml", "--bench", "bench.yaml", "--defect", "spikes"], "leave it out"),
         (["plan.yaml", "--bench", "simulated", "--out", "."], "exists already"),
         (["plan.yaml", "--resume", "out"], "leave PLAN.yaml out"),
         (["--resume", "out", "--dry-run"], "leave --dry-run out"),

@@ -1,0 +1,112 @@
+"""Run the experiment that a diagnosis asks for, and diagnose again, until it is decided."""
+
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from datetime import datetime
+from pathlib import Path
+
+from usmbench.cli.bench_session import SIMULATED, open_bench
+from usmbench.cli.live_panel import LivePanel
+from usmbench.cli.simulated_motor import SimulatedMotor
+from usmbench.cli.sweep_run import sweep_new
+from usmbench.diagnose.next_experiment import propose
+from usmbench.diagnose.pipeline import diagnose
+from usmbench.diagnose.result import Diagnosis
+from usmbench.model.hammerstein import HammersteinModel
+from usmbench.runs.reader import read_run
+from usmbench.runs.record import Record
+from usmbench.settings.plan import Plan
+from usmbench.settings.plan_file import parse_plan
+from usmbench.settings.yaml_source import Source
+from usmbench.sweep.interrupts import deferred_interrupts
+from usmbench.sweep.preflight import interlocks_of
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """A diagnosis, the runs it rests on, and what would decide it.
+
+    Parameters
+    ----------
+    diagnosis
+        The diagnosis, its next experiment included.
+    records
+        The runs.
+    """
+
+    diagnosis: Diagnosis
+    records: tuple[Record, ...]
+
+
+def judge(records: Sequence[Record], model: HammersteinModel) -> Judged:
+    """Diagnose, and propose what would decide.
+
+    Parameters
+    ----------
+    records
+        The runs.
+    model
+        The model.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        A run or the model will not do.
+    """
+    found = diagnose(records, model)
+    proposal = propose(found, records, model)
+    return Judged(replace(found, next_experiment=proposal), tuple(records))
+
+
+def decide(
+    first: Judged, model: HammersteinModel, bench: str, budget: int, runs: Path
+) -> Iterator[Judged]:
+    """Yield a judgement after each experiment, until nothing is open or the budget is used.
+
+    Parameters
+    ----------
+    first
+        The judgement to start from.
+    model
+        The model.
+    bench
+        Bench file, or "simulated": there the motor is the one that the first run was measured on.
+    budget
+        Most experiments.
+    runs
+        Folder that takes the new runs.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        The bench file is wrong, or a plan is beyond its limits; nothing has moved.
+    KeyboardInterrupt
+        The user stopped a run; the drive is off and the folder closed.
+    usmbench.errors.BenchError
+        The bench failed; likewise.
+    """
+    here = first
+    for number in range(1, budget + 1):
+        proposal = here.diagnosis.next_experiment
+        if proposal is None:
+            return
+        plan = parse_plan(Source("the proposed plan", proposal["plan"]))
+        folder = runs / f"{datetime.now():%Y%m%dT%H%M%S}-{plan.name}-{number}"
+        motor = SimulatedMotor.of_run(here.records[0].meta, later=number)
+        _measure(plan, bench, motor, folder)
+        here = judge((*here.records, read_run(folder)), model)
+        yield here
+
+
+def _measure(plan: Plan, bench: str, motor: SimulatedMotor, folder: Path) -> None:
+    """Drive a plan into a run folder."""
+    simulated = bench == SIMULATED
+    with (
+        deferred_interrupts(),
+        open_bench(bench, testbed_arguments=motor.arguments if simulated else ()) as opened,
+        LivePanel(
+            sys.stderr, f"{plan.name} → {folder}", interlocks_of(plan, opened.settings)
+        ) as panel,
+    ):
+        sweep_new(opened, plan, folder, meta=motor.meta if simulated else {}, observer=panel)

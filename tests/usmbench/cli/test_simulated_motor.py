@@ -1,0 +1,27 @@
+"""The simulated motor that a run was measured on can be made again."""
+
+from typing import Any
+
+import pytest
+
+from usmbench.cli.simulated_motor import SimulatedMotor
+
+
+def test_the_testbed_is_told_seed_and_defects() -> None:
+    motor = SimulatedMotor(3, ("command_queue=40", "worn_contact"))
+    words = ["--seed", "3", "--defect", "command_queue=40", "--defect", "worn_contact"]
+    assert motor.arguments == words
+    assert SimulatedMotor().arguments == []
+    assert SimulatedMotor().meta == {}
+
+
+def test_a_run_keeps_its_motor_and_a_later_one_has_other_noise() -> None:
+    motor = SimulatedMotor(3, ("command_queue=40",))
+    assert SimulatedMotor.of_run(motor.meta) == motor
+    assert SimulatedMotor.of_run(motor.meta, later=2) == SimulatedMotor(5, motor.defects)
+    assert SimulatedMotor.of_run({}, later=1) == SimulatedMotor(1)
+
+
+@pytest.mark.parametrize("meta", [{}, {"seed": "x", "defects": "worn_contact"}, {"defects": None}])
+def test_a_run_that_says_nothing_of_use_has_the_default_motor(meta: dict[str, Any]) -> None:
+    assert SimulatedMotor.of_run(meta) == SimulatedMotor()
