@@ -5,7 +5,7 @@ BIN    := $(VENV)/bin
 # Two cores are what CI has; BLAS threads on top of our own processes only get in each other's way.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test firmware browser lint clean
+.PHONY: demo test firmware browser docs lint clean
 
 $(VENV)/.run: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit("usmbench needs Python 3.11 or later; set PYTHON=... to one") if sys.version_info < (3, 11) else None'
@@ -35,6 +35,10 @@ firmware: $(VENV)/.dev
 browser:
 	@sh tests/chromium.sh || echo "without it the live page is tested without a browser" >&2
 
+# The documentation as a site; its code blocks are run by the tests.
+docs: $(VENV)/.dev
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
+
 lint: $(VENV)/.dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -42,4 +46,4 @@ lint: $(VENV)/.dev
 	$(BIN)/lint-imports
 
 clean:
-	rm -rf demo build dist .pytest_cache .mypy_cache .ruff_cache
+	rm -rf demo build dist site .pytest_cache .mypy_cache .ruff_cache
