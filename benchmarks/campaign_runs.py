@@ -1,5 +1,6 @@
 """Runs for campaigns: a motor drawn by seed, with or without defects, through the real sweep."""
 
+import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -31,6 +32,8 @@ _HEAD = (
     "warm_up: {phase_deg: 90, duration_s: 2}\n"
 )
 _STAIRS = 25
+# A campaign runs for an hour beside whatever else this machine does.
+_WIRE_SILENCE_S = 120.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,6 +148,7 @@ class Measured:
             )
             opened = _through_wire(plant) if self.wire else _in_process(plant)
             unfinished = parent / f"{self.name}.part"
+            shutil.rmtree(unfinished, ignore_errors=True)
             with opened as bench:
                 sweep_new(bench, self.excited.plan(), unfinished)
             unfinished.rename(folder)
@@ -161,7 +165,8 @@ def _in_process(plant: WiredPlant) -> Iterator[Bench]:
 def _through_wire(plant: WiredPlant) -> Iterator[Bench]:
     with RunningTestbed(plant, lock_step=True) as running:
         settings = simulated_settings(_SETTINGS, running.port, running.daq_address)
-        with open_bench(settings) as bench:
+        patient = replace(settings.daq, no_data_timeout_s=_WIRE_SILENCE_S)
+        with open_bench(replace(settings, daq=patient)) as bench:
             yield bench
 
 

@@ -60,10 +60,10 @@ class _Absorber:
         angle, speed, shaft = last.angle_rad, last.speed_rad_s, last.shaft_rad
         mean_rad_s = (shaft_rad - last.shaft_rad) / elapsed_s if elapsed_s > 0.0 else 0.0
         for _ in range(steps):
-            shaft += mean_rad_s * step_s
             accelerated = self._stiffness * (shaft - angle) + self._damping * (mean_rad_s - speed)
             speed += accelerated * step_s
             angle += speed * step_s
+            shaft += mean_rad_s * step_s
         return _Swing(time_s, shaft_rad, angle, speed)
 
 
@@ -73,7 +73,7 @@ class SoftCoupling(Defect):
     mechanism: ClassVar[str] = "soft_coupling"
     cause: ClassVar[str] = "shaft_compliance"
     unit: ClassVar[str] = "%"
-    typical: ClassVar[float] = 8.0
+    typical: ClassVar[float] = 3.0
 
     def shaft_load(self) -> ShaftLoad:
         """Return coupling and weight, its moment a share of the default motor's 0.265 g·m²."""
