@@ -7,6 +7,8 @@ the whole range and read from the registers of the AD9833 models. ``--small`` as
 
 import argparse
 import re
+import statistics
+import struct
 import sys
 from collections import deque
 from typing import Final
@@ -31,6 +33,13 @@ NS_PER_CYCLE: Final = 1e9 / CYCLES_PER_SECOND
 FLASH_BYTES, ACCESS_RAM_BYTES, STACK_LEVELS = 32_768, 128, 31
 BUFFERS_BYTES = {"receive ring": 256, "reply": 36, "reply on the line": 38, "stored reply": 38}
 BYTE_CYCLES, TICK_CYCLES = 640, 7200
+DELAYS_ASKED: Final = 40
+ASKED: Final = {
+    RequestType.SET_DRIVE: (struct.pack("<Ih", 430_000, 1), struct.pack("<Ih", 450_000, -1)),
+    RequestType.SET_PHASE: (struct.pack("<h", 2), struct.pack("<h", -1500)),
+    RequestType.OUTPUTS: (b"\0", b"\1"),
+    RequestType.STATUS: (b"", b""),
+}
 
 # AD9833 data sheet, table 2: shortest time in ns.
 BUS_TIMES: Final = {
@@ -116,15 +125,26 @@ def resolution(generator: SignalGenerator, board: GpsimBoard, asks: int) -> tupl
     return worst_frequency / FREQUENCY_STEP_HZ, worst_phase / PHASE_STEP_DEG
 
 
-def turn_around_s(port: BoardPort, kind: RequestType, payload: bytes) -> float:
-    """Time from the end of a request to the start of its reply."""
-    port.now_s += 0.01
-    port.board.advance(port.now_s)
-    frame = encode_frame(250, kind, payload)
-    port.board.receive_burst(frame, port.now_s)
-    ((start_s, _),) = port.board.replies
-    port.board.replies.clear()
-    return start_s - (port.now_s + BYTE_S * len(frame))
+def delays_us(port: BoardPort, kind: RequestType, payloads: tuple[bytes, bytes]) -> list[float]:
+    """Mean times from a request's end to its effect, where it has one, and to the reply.
+
+    The payloads take turns, so that each request has an effect; the instants spread over a tick.
+    """
+    effects_us, replies_us = [], []
+    for index in range(DELAYS_ASKED):
+        port.now_s += (TICK_CYCLES * (10 + index / DELAYS_ASKED)) / CYCLES_PER_SECOND
+        payload = payloads[index % 2]
+        port.board.advance(port.now_s)
+        port.board.drive_changes.clear()
+        frame = encode_frame(index % 256, kind, payload)
+        end_s = port.now_s + BYTE_S * len(frame)
+        port.board.receive_burst(frame, port.now_s)
+        ((start_s, _),) = port.board.replies
+        port.board.replies.clear()
+        effects_us += [1e6 * (time_s - end_s) for time_s, _ in port.board.drive_changes]
+        replies_us.append(1e6 * (start_s - end_s))
+        port.now_s = max(port.now_s, port.board.time_s)
+    return [statistics.fmean(times_us) for times_us in (effects_us, replies_us) if times_us]
 
 
 def meet_the_tick(port: BoardPort) -> None:
@@ -169,6 +189,15 @@ def time_rows(measured: dict[str, int]) -> list[tuple[str, str, str, bool]]:
     return rows
 
 
+def delay_rows(delays: list[tuple[RequestType, list[float]]]) -> list[tuple[str, str, str, bool]]:
+    rows = []
+    for kind, times_us in delays:
+        what = "to effect, to reply" if len(times_us) > 1 else "to reply"
+        times = ", ".join(f"{time_us:.0f}" for time_us in times_us)
+        rows.append((f"{kind.name.lower()}: {what}", f"{times} µs", "", True))
+    return rows
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--small", action="store_true", help="ask fewer frequencies and phases")
@@ -179,8 +208,7 @@ def main() -> int:
             port, clock=port.clock, frequency_limits_hz=FREQUENCIES_HZ, phase_limits_deg=PHASES_DEG
         )
         frequency, phase = resolution(generator, port.board, asks)
-        set_phase_s = turn_around_s(port, RequestType.SET_PHASE, b"\0\1")
-        status_s = turn_around_s(port, RequestType.STATUS, b"")
+        delays = [(kind, delays_us(port, kind, payloads)) for kind, payloads in ASKED.items()]
         generator.off()
         meet_the_tick(port)
         (measured,) = port.board.disturb("measure")
@@ -191,8 +219,7 @@ def main() -> int:
         [
             *memory_rows(),
             *time_rows(measured),
-            ("set_phase: request's end to reply", f"{set_phase_s * 1e6:.0f} µs", "", True),
-            ("status: request's end to reply", f"{status_s * 1e6:.0f} µs", "", True),
+            *delay_rows(delays),
             ("frequency error", f"{frequency:.3f} steps", "0.5 steps", frequency <= half),
             ("phase error", f"{phase:.3f} steps", "0.5 steps", phase <= half),
         ]

@@ -13,8 +13,15 @@ from hil_sim.signals import Drive
 from usmbench.instruments.protocol import _generated as wire
 from usmbench.instruments.protocol._generated import Faults, Flags, Refusal, RequestType, ResetCause
 
-TURN_AROUND_S: Final = 20e-6
-"""Time from the end of a request's last byte to the start of the reply's first."""
+EFFECT_S: Final = {
+    RequestType.SET_DRIVE: 112e-6,
+    RequestType.SET_PHASE: 63e-6,
+    RequestType.OUTPUTS: 42e-6,
+}
+"""Time from the end of a request's last byte to its effect, as benchmarks/firmware_figures.py finds
+it of the firmware."""
+TURN_AROUND_S: Final = 44e-6
+"""Time from there to the start of the reply's first byte."""
 HOST_SILENCE_S: Final = wire.HOST_SILENCE_MS / 1000.0
 FIRMWARE_VERSION: Final = (1, 0)
 _TRIPS_MAX: Final = 255
@@ -68,7 +75,7 @@ class Board:
             self._flags |= Flags.INTERNAL_FAULT
         self._reset_cause = cause
         self._silence_trips = 0
-        self._last_frame_s = time_s
+        self._last_frame_s = self._effect_s = time_s
         self._acknowledged: tuple[bytes, bytes] | None = None
         self._acknowledgement = b""
 
@@ -90,8 +97,10 @@ class Board:
             What the status will give as the cause.
         """
         self.advance(time_s)
-        self._power_on(time_s, cause)
-        self._note_drive(time_s)
+        # Not before the words that are still on their way, which would start the drive again.
+        reset_s = max(time_s, self._effect_s)
+        self._power_on(reset_s, cause)
+        self._note_drive(reset_s)
 
     def advance(self, time_s: float) -> None:
         """Let time pass: stops the drive at the very end of a host's silence.
@@ -125,8 +134,9 @@ class Board:
         request = self._receiver.push(byte)
         if request is None or request[1] & wire.ACK_BIT:
             return
-        self._last_frame_s = time_s
-        self.replies.append((time_s + TURN_AROUND_S, self._answer(request, time_s)))
+        self._last_frame_s = self._effect_s = time_s
+        reply = self._answer(request, time_s)
+        self.replies.append((self._effect_s + TURN_AROUND_S, reply))
 
     def _answer(self, request: bytes, time_s: float) -> bytes:
         """Execute a request, unless it is the repeat of the last one acknowledged."""
@@ -157,8 +167,9 @@ class Board:
         )
         if self._flags & Flags.NOT_IDENTIFIED and not harmless:
             raise _RefusedError(Refusal.NOT_IDENTIFIED)
-        self._act(request, values, time_s)
-        self._note_drive(time_s)
+        self._effect_s = time_s + EFFECT_S.get(request, 0.0)
+        self._act(request, values, self._effect_s)
+        self._note_drive(self._effect_s)
         return struct.pack(_REPLY_FORMATS[request], self._flags, *self._reading(request))
 
     def _act(self, request: RequestType, values: tuple[int, ...], time_s: float) -> None:

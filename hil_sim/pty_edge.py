@@ -92,6 +92,9 @@ class PtyEdge:
         """Pass on what the host wrote and queue the board's answer."""
         data = os.read(self._master, _READ_SIZE)
         wall_s, at_s = time.monotonic(), self._clock.now_s()
+        if self._clock.lock_step:
+            # The reply before was handed over early; on the line the host would still be taking it.
+            at_s = max(at_s, self._testbed.answered_s)
         for arrival in self._testbed.host_bytes(data, at_s):
             paced = arrival.late or not self._clock.lock_step
             due_s = wall_s + (arrival.time_s - at_s if paced else 0.0)

@@ -74,6 +74,8 @@ class Testbed:
         a byte still on the line will make is already in it.
     faults
         What goes wrong, and when.
+    answered_s
+        When the host has, or would have, the last reply that no fault held up.
     """
 
     __test__ = False  # pytest takes the name for a test's
@@ -93,6 +95,7 @@ class Testbed:
         self._to_host = Line("to_host", self.faults)
         self._resets = deque(self.faults.of(FaultKind.BOARD_RESET))
         gone = self.faults.of(FaultKind.PORT_GONE)
+        self.answered_s = 0.0
         self.port_gone_s = gone[0].time_s if gone else math.inf
         self._lock = threading.RLock()
         self._epoch_s = 0.0
@@ -145,6 +148,8 @@ class Testbed:
                     replies += [a._replace(late=a.late or late) for a in sent]
                 self._board.replies.clear()
             self._collect_drive()
+            ends_s = [arrival.time_s for arrival in replies if not arrival.late]
+            self.answered_s = max([self.answered_s, *ends_s])
             return replies
 
     def _advance_board(self, time_s: float) -> None:

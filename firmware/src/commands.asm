@@ -146,9 +146,11 @@ set_drive:
         movff   request + PAYLOAD + SET_DRIVE_FREQUENCY_WORD + 1, new_frequency + 1
         movff   request + PAYLOAD + SET_DRIVE_FREQUENCY_WORD + 2, new_frequency + 2
         movff   request + PAYLOAD + SET_DRIVE_FREQUENCY_WORD + 3, new_frequency + 3
-        bsf     flags, FLAG_CONFIGURED_BIT
         call    dds_set_drive
-        bra     done
+        tstfsz  dds_error
+        bra     dds_differs
+        bsf     flags, FLAG_CONFIGURED_BIT
+        bra     acknowledge_flags
 
 set_phase:
         expect_length SET_PHASE_REQUEST_LENGTH

@@ -2,9 +2,11 @@
 
 from typing import TYPE_CHECKING
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from hil_sim.line import BYTE_S
 from usmbench.instruments.protocol import _generated as wire
 from usmbench.instruments.protocol._generated import RequestType
 from usmbench.instruments.protocol.frames import encode_frame
@@ -77,3 +79,26 @@ def test_every_word_asked_for_is_the_one_that_is_sent(
             both_boards[1].line.board.drive_changes[-1][1]
             == (both_boards[0].line.board.drive_changes[-1][1])
         )
+
+
+def test_a_setting_takes_force_at_the_same_time(
+    both_boards: "tuple[BenchHost, BenchHost]",
+) -> None:
+    """To a few turns of the firmware's main loop and the interrupts between them."""
+    delays_s = []
+    for host in both_boards:
+        host.start()
+        host.line.board.drive_changes.clear()
+        ends_s = []
+        for frame in (
+            host.frame(RequestType.SET_DRIVE, 441_000, 100),
+            host.frame(RequestType.SET_PHASE, -2000),
+            host.frame(RequestType.OUTPUTS, 0),
+            host.frame(RequestType.OUTPUTS, 1),
+        ):
+            ends_s.append(host.line.now_s + len(frame) * BYTE_S)
+            host.ask_raw(frame)
+        changes = host.line.board.drive_changes
+        delays_s.append([time_s - e for (time_s, _), e in zip(changes, ends_s, strict=True)])
+    assert delays_s[0] == pytest.approx(delays_s[1], abs=30e-6)
+    assert min(delays_s[0]) > 30e-6

@@ -5,7 +5,7 @@ import time
 import numpy as np
 import pytest
 
-from hil_sim.board import TURN_AROUND_S
+from hil_sim.board import EFFECT_S, TURN_AROUND_S
 from hil_sim.faults import Fault, FaultKind, FaultSchedule
 from hil_sim.frame_receiver import build_frame
 from hil_sim.line import BYTE_S
@@ -14,6 +14,7 @@ from hil_sim.sample_feed import SampleFeed
 from hil_sim.signals import Drive, Samples
 from hil_sim.testbed import HISTORY_LENGTH, Testbed
 from usmbench.errors import InputError
+from usmbench.instruments.protocol._generated import RequestType
 
 RATE_HZ = 100_000.0
 IDENTIFY = build_frame(b"\x01\x01")
@@ -60,10 +61,12 @@ def driven(*faults: Fault) -> tuple[Testbed, Notebook]:
     return testbed, plant
 
 
-SWITCH_ON_S = len(IDENTIFY + SET_DRIVE + ON) * BYTE_S
+REQUESTED_S = len(IDENTIFY + SET_DRIVE + ON) * BYTE_S
+SWITCH_ON_S = REQUESTED_S + EFFECT_S[RequestType.OUTPUTS]
+CONFIGURED_S = REQUESTED_S - len(ON) * BYTE_S + EFFECT_S[RequestType.SET_DRIVE]
 
 
-def test_the_effect_is_where_the_last_byte_ends_and_the_reply_behind_it() -> None:
+def test_the_effect_comes_after_the_last_byte_and_the_reply_behind_it() -> None:
     testbed, plant = driven()
     replies = testbed.host_bytes(HEARTBEAT, 0.5)
     request_end_s = 0.5 + len(HEARTBEAT) * BYTE_S
@@ -87,7 +90,7 @@ def test_changes_reach_the_plant_in_order_and_not_before_their_block() -> None:
         ("coupling", False),
         ("coupling", True),
     ]
-    times_s = [0.001, SWITCH_ON_S - len(ON) * BYTE_S, SWITCH_ON_S, 0.0123, 0.0323]
+    times_s = [0.001, CONFIGURED_S, SWITCH_ON_S, 0.0123, 0.0323]
     assert [time_s for _, time_s, _ in plant.told] == pytest.approx(times_s)
 
 
@@ -98,7 +101,7 @@ def test_host_silence_trips_at_one_instant_whatever_the_blocks(block: int) -> No
     while testbed.time_s < 1.01:
         testbed.sample(block, RATE_HZ)
     trip_s, drive = testbed.drive_history[-1]
-    assert trip_s == pytest.approx(SWITCH_ON_S + 1.0, abs=1e-12)
+    assert trip_s == pytest.approx(REQUESTED_S + 1.0, abs=1e-12)
     assert drive == Drive(440_000 * 25e6 / 2**28, 90.0)
     assert plant.told[-1] == ("drive", trip_s, 0.0)
 
