@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 
 _REFERENCES: Final = (*PLANS, PLANS[0])
 REFERENCE_S: Final = 30.0
+SMALL_REFERENCE_S: Final = 12.0
 _FRESH: Final = 5000
 _FRESH_EVERY: Final = 4  # a fresh run costs as much as the draw itself
 
@@ -153,22 +154,42 @@ class MotorBench:
             motor.wander,
             draw.wire,
         )
-        run = Measured(motor, excited, draw.number, defects, draw.wire).folder(self._runs)
+        run = self.measured(excited, draw.number, defects, wire=draw.wire)
         if defects:
             effect = self.effect_rad_s(excited, draw.number, defects)
             outcome.strength = float(np.sqrt(np.mean(effect**2))) / self.noise_rad_s[excited.kind]
             outcome.oracle_gain = self._oracle_gain(run, draw, effect)
-        found, extended = self._folder / "found.json", self._folder / "extended.yaml"
         try:
-            words = ("--model", self.model, "--json", found, "--out", extended)
-            _command("diagnose", run, *words)
+            _take(outcome, self.diagnosis(run))
         except RuntimeError as error:
             outcome.error = str(error)
             return outcome
-        _take(outcome, json.loads(found.read_text("utf-8")))
         if outcome.named and defects and draw.number % _FRESH_EVERY == 0:
-            outcome.fresh_gain = self._fresh_gain(draw, extended)
+            outcome.fresh_gain = self._fresh_gain(draw)
         return outcome
+
+    def measured(
+        self,
+        excited: Excited,
+        run_seed: int,
+        defects: tuple[Defect, ...] = (),
+        *,
+        wire: bool = False,
+    ) -> Path:
+        """Return the folder of a run of this motor."""
+        return Measured(self._motor, excited, run_seed, defects, wire).folder(self._runs)
+
+    def diagnosis(self, run: Path) -> dict[str, Any]:
+        """Return what diagnose says of a run; leave the extended model beside the plain one."""
+        found = self._folder / "found.json"
+        words = ("--model", self.model, "--json", found, "--out", self._extended)
+        _command("diagnose", run, *words)
+        said: dict[str, Any] = json.loads(found.read_text("utf-8"))
+        return said
+
+    @property
+    def _extended(self) -> Path:
+        return self._folder / "extended.yaml"
 
     def _oracle_gain(self, run: Path, draw: Draw, effect: Array) -> float:
         """Gain of adding the effect as it truly is to the identified model."""
@@ -177,13 +198,13 @@ class MotorBench:
         noise = record.speed_rad_s - self._quiet(draw.excited, draw.number, draw.hidden.made)
         return _gain(error[inside], (error - effect)[inside], noise[inside])
 
-    def _fresh_gain(self, draw: Draw, extended: Path) -> float:
+    def _fresh_gain(self, draw: Draw) -> float:
         """Share of the mean square above the noise that the extension removes on another run."""
         defects, day = draw.hidden.made, _FRESH + draw.number
         excited = replace(draw.excited, seed=draw.excited.seed + _FRESH)
-        record = read_run(Measured(self._motor, excited, day, defects).folder(self._runs))
+        record = read_run(self.measured(excited, day, defects))
         plain, inside = _error(self.model, record)
-        better, _ = _error(extended, record)
+        better, _ = _error(self._extended, record)
         noise = record.speed_rad_s - self._quiet(excited, day, defects)
         return _gain(plain[inside], better[inside], noise[inside])
 

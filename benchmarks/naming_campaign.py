@@ -19,12 +19,10 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from benchmarks.campaign_bench import REFERENCE_S, MotorBench
+from benchmarks.campaign_bench import REFERENCE_S, SMALL_REFERENCE_S, MotorBench
 from benchmarks.campaign_draws import STRENGTHS, WANDERS, draws, motor_of
 from benchmarks.campaign_tables import Row, report, wrong_ones
 from usmbench.errors import UsmbenchError
-
-SMALL_REFERENCE_S = 12.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,30 +10,23 @@ from benchmarks.campaign_bench import MotorBench, Outcome
 from benchmarks.campaign_draws import GROUPS, STRENGTHS, Draw, Hidden, draws, hide, motor_of
 from benchmarks.campaign_runs import Excited, Measured, Motor
 from benchmarks.campaign_tables import report, share, wrong_ones
-from benchmarks.naming_campaign import SMALL_REFERENCE_S
 from hil_sim.defects import CATALOGUE
 from usmbench.runs.reader import read_run
 
 SHORT = Excited("staircase", 10.0, 5)
 
 
-@pytest.fixture(scope="module")
-def bench(tmp_path_factory: pytest.TempPathFactory) -> MotorBench:
-    folder = tmp_path_factory.mktemp("campaign")
-    return MotorBench(folder, folder, Motor(4), SMALL_REFERENCE_S)
-
-
-def test_a_dead_channel_is_named_through_the_wire(bench: MotorBench) -> None:
+def test_a_dead_channel_is_named_through_the_wire(motor_bench: MotorBench) -> None:
     hidden = Hidden("single", ("dead_direction=1",), ("unsigned_counts",), 1.0)
-    outcome = bench.diagnosed(Draw(1, hidden, SHORT, wire=True))
+    outcome = motor_bench.diagnosed(Draw(1, hidden, SHORT, wire=True))
     assert outcome.error == ""
     assert outcome.judgement == "right"
     assert outcome.strength > 10.0
 
 
-def test_a_large_scale_error_is_named_with_its_size_and_gain(bench: MotorBench) -> None:
+def test_a_large_scale_error_is_named_with_its_size_and_gain(motor_bench: MotorBench) -> None:
     hidden = Hidden("single", ("other_code_wheel=25.0",), ("speed_scale",), 30.0)
-    outcome = bench.diagnosed(Draw(4, hidden, SHORT, wire=False))
+    outcome = motor_bench.diagnosed(Draw(4, hidden, SHORT, wire=False))
     assert "speed_scale" in {*outcome.named, *outcome.alternatives}
     assert outcome.oracle_gain == pytest.approx(1.0, abs=0.2)
     assert outcome.fresh_gain is not None

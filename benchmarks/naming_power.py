@@ -1,0 +1,171 @@
+"""The size from which on a cause is named, beside that of a test told the cause's form.
+
+    python benchmarks/naming_power.py [--repeats 6] [--motor 3] [--small]
+
+The likelihood-ratio test knows what the mechanism does to the speed at every window (from runs
+without noise) and only has to find its size, with the model's uncertainty and the noise that
+diagnose works with. It reaches 90 % power at 5 % false alarms where the whitened effect has a
+length of 1.96 + 1.28. Diagnose is then shown runs with the mechanism at multiples of that size.
+"""
+
+import argparse
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from scipy.optimize import minimize
+from scipy.special import log_ndtr
+from scipy.stats import norm
+
+from benchmarks.campaign_bench import SMALL_REFERENCE_S, MotorBench
+from benchmarks.campaign_runs import Excited, Motor
+from benchmarks.campaign_tables import share
+from hil_sim.defects import CATALOGUE
+from usmbench.diagnose.knowledge import knowledge_of
+from usmbench.diagnose.search import search
+from usmbench.diagnose.stretches import cut_runs
+from usmbench.model.effects.registry import library
+from usmbench.model.model_file import read_model
+from usmbench.runs.reader import read_run
+
+MECHANISMS = (
+    "amplifier_delay",
+    "leaning_teeth",
+    "worn_contact",
+    "dragging_bearing",
+    "eccentric_disc",
+    "command_queue",
+    "flywheel",
+    "lossy_ceramic",
+)
+MULTIPLES = (1.0, 1.5, 2.5, 5.0)
+_LENGTH = float(norm.isf(0.025) + norm.isf(0.1))
+_GOAL = 1.5
+
+
+class Power:
+    """One motor, one plan.
+
+    Parameters
+    ----------
+    bench
+        The motor.
+    excited
+        How it is driven.
+    """
+
+    def __init__(self, bench: MotorBench, excited: Excited):
+        self._bench, self._excited = bench, excited
+        self._record = read_run(bench.measured(excited, 0))
+        model = read_model(bench.model)
+        self._stretches, _ = cut_runs([self._record], model, ())
+        contexts = [stretch.context for stretch in self._stretches]
+        testable = [e for e in library() if not e.sporadic and e.untestable(contexts) is None]
+        found = search(self._stretches, knowledge_of(model), (), testable)
+        self._problem, self._spread = found.problem, found.spread
+
+    def told_size(self, mechanism: str) -> float:
+        """Return the size at which the test that is told the form has a power of 90 %."""
+        size = CATALOGUE[mechanism].typical
+        for _ in range(2):
+            # The effect is not quite in proportion to the size: look again where it matters.
+            size *= _LENGTH / self._length(mechanism, size)
+        return size
+
+    def _length(self, mechanism: str, size: float) -> float:
+        effect = self._bench.effect_rad_s(self._excited, 0, (CATALOGUE[mechanism](size),))
+        parts = [
+            effect[np.searchsorted(self._record.t_s, stretch.context.t_s)]
+            for stretch in self._stretches
+        ]
+        return float(np.linalg.norm(self._problem.carried(parts))) / self._spread
+
+    def named(self, mechanism: str, size: float, repeats: int) -> int:
+        """Return in how many runs the cause of the mechanism comes out first."""
+        defect, hits = CATALOGUE[mechanism](size), 0
+        for k in range(repeats):
+            run = self._bench.measured(self._excited, 100 + k, (defect,))
+            causes = self._bench.diagnosis(run)["causes"]
+            hits += bool(causes) and causes[0]["name"] == defect.cause
+        return hits
+
+
+def size_of_90_percent(multiples: Sequence[float], hits: Sequence[int], n: int) -> float:
+    """Return the multiple at which a share of 90 % is reached, by a probit fit.
+
+    Parameters
+    ----------
+    multiples
+        Sizes, rising.
+    hits
+        Named runs at each.
+    n
+        Runs at each.
+    """
+    x, k = np.log(np.array(multiples)), np.array(hits, dtype=np.float64)
+
+    def loss(theta: np.ndarray[tuple[int], np.dtype[np.float64]]) -> float:
+        z = np.exp(theta[1]) * (x - theta[0])
+        # A weak pull to the middle, and to a slope of 2, for where every share is 0 or 1.
+        pull = 0.1 * (theta[0] - x.mean()) ** 2 + 0.1 * (theta[1] - np.log(2.0)) ** 2
+        return float(pull - np.sum(k * log_ndtr(z) + (n - k) * log_ndtr(-z)))
+
+    middle, steep = minimize(loss, np.array([float(x.mean()), 0.5]), method="Nelder-Mead").x
+    return float(np.exp(middle + norm.isf(0.1) / np.exp(steep)))
+
+
+def main(argv: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("--motor", type=int, default=3)
+    parser.add_argument("--repeats", type=int, default=6)
+    parser.add_argument("--plan", default="telegraph")
+    parser.add_argument("--duration", type=float, default=20.0, help="of each run, in seconds")
+    parser.add_argument("--mechanisms", nargs="+", choices=list(CATALOGUE), default=MECHANISMS)
+    parser.add_argument("--small", action="store_true", help="one mechanism, one run a size")
+    arguments = parser.parse_args(argv)
+    mechanisms, repeats, motor = arguments.mechanisms, arguments.repeats, Motor(arguments.motor)
+    excited = Excited(arguments.plan, arguments.duration, 77)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        if arguments.small:
+            mechanisms, repeats = mechanisms[:1], 1
+            bench = MotorBench(folder, folder, motor, SMALL_REFERENCE_S)
+        else:
+            bench = MotorBench(folder, folder, motor)
+        hits = _table(Power(bench, excited), mechanisms, repeats)
+    n = repeats * len(mechanisms)
+    for multiple, k in zip(MULTIPLES, hits, strict=True):
+        mean, low, high = share(k, n)
+        print(
+            f"at {multiple:3g} x: named in {100 * mean:5.1f} % "
+            f"({100 * low:.1f} to {100 * high:.1f} %) of {n}"
+        )
+    print(
+        f"90 % named at {size_of_90_percent(MULTIPLES, hits, n):.2f} x the size of the test that "
+        f"is told the form (goal {_GOAL})"
+    )
+    return 0
+
+
+def _table(power: Power, mechanisms: Sequence[str], repeats: int) -> list[int]:
+    """Print a line a mechanism; return the named runs at each multiple."""
+    total = [0] * len(MULTIPLES)
+    header = " ".join(f"{multiple:6g} x" for multiple in MULTIPLES)
+    print(f"{'mechanism':20} {'told, from':>12} {'unit':6} {header}   90 % at")
+    for mechanism in mechanisms:
+        size = power.told_size(mechanism)
+        hits = [power.named(mechanism, multiple * size, repeats) for multiple in MULTIPLES]
+        total = [a + b for a, b in zip(total, hits, strict=True)]
+        shown = " ".join(f"{100 * k / repeats:6.0f} %" for k in hits)
+        at = size_of_90_percent(MULTIPLES, hits, repeats)
+        unit = CATALOGUE[mechanism].unit
+        print(f"{mechanism:20} {size:12.3g} {unit:6} {shown}   {at:5.2f} x", flush=True)
+    return total
+
+
+if __name__ == "__main__":
+    sys.exit(main())
