@@ -1,0 +1,83 @@
+"""The demo: everything over the wire, on a shorter plan, and what is hidden is found."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+from usmbench.cli import demo_command
+from usmbench.cli.main import main
+
+CHECKER = Path(__file__).parents[4] / "shared" / "tools" / "check-contract"
+SHORT = {
+    "format": "usmbench-plan/1",
+    "name": "short",
+    "frequency_hz": 41_000,
+    "warm_up": {"phase_deg": 90, "duration_s": 1},
+    "passes": [{"phase_deg": {"from": -90, "to": 90, "step": 7.5}, "direction": "both"}],
+    "dwell": {"windows": 30},
+}
+
+
+@pytest.fixture
+def plan(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    file = tmp_path / "short.yaml"
+    file.write_text(yaml.safe_dump(SHORT))
+    monkeypatch.setattr(demo_command, "PLAN", str(file))
+    return file
+
+
+@pytest.mark.usefixtures("plan")
+def test_what_is_hidden_is_found_and_all_files_are_left(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(demo_command, "HIDDEN", {"worn_contact=5": "speed_scale"})
+    folder = tmp_path / "demo"
+    assert main(["demo", "--out", str(folder)]) == 0
+    said = capsys.readouterr().out
+    assert re.search(r"Found: speed_scale(,.*)?; knowing it removes (\d+) %", said)
+    assert {path.name for path in folder.iterdir()} == {
+        *demo_command.RUNS,
+        *demo_command.WRITTEN,
+    }
+    effects = yaml.safe_load((folder / "extended.yaml").read_text())["effects"]
+    assert effects[0]["name"] == "speed_scale"
+    assert effects[0]["parameters"]["scale_error"] == pytest.approx(-0.048, abs=0.015)
+    meta = yaml.safe_load((folder / "measured" / "run.yaml").read_text())
+    assert (meta["seed"], meta["defects"]) == (3, ["worn_contact=5"])
+    if CHECKER.exists():
+        checked = subprocess.run(
+            [sys.executable, str(CHECKER), "demo", str(folder)],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert checked.returncode == 0, checked.stdout
+
+
+@pytest.mark.parametrize("name", ["holiday.jpg", "model.yml"])
+def test_a_folder_with_something_else_in_it_is_left_alone(
+    tmp_path: Path, name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / name).write_text("dear to somebody")
+    assert main(["demo", "--out", str(tmp_path)]) == 2
+    assert f"holds {name}" in capsys.readouterr().err
+    assert (tmp_path / name).read_text() == "dear to somebody"
+
+
+def test_a_folder_named_like_a_run_that_is_none_is_left_alone(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "measured").mkdir()
+    (tmp_path / "measured" / "thesis.tex").write_text("three years")
+    assert main(["demo", "--out", str(tmp_path)]) == 2
+    assert "run.yaml" in capsys.readouterr().err
+    assert (tmp_path / "measured" / "thesis.tex").exists()
+
+
+def test_a_seed_below_zero_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["demo", "--out", str(tmp_path / "demo"), "--seed", "-1"]) == 2
+    assert "0 or more" in capsys.readouterr().err
