@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.campaign_draws import Draw, Hidden
-from benchmarks.campaign_runs import PLANS, Excited, Measured, Motor, measure_all
+from benchmarks.campaign_runs import PLANS, Excited, Measured, Motor
 from hil_sim.defects import Defect
 from usmbench.cli.main import main as usmbench
 from usmbench.model.model_file import read_model
@@ -25,6 +25,8 @@ _REFERENCES: Final = (*PLANS, PLANS[0])
 REFERENCE_S: Final = 30.0
 SMALL_REFERENCE_S: Final = 12.0
 _FRESH: Final = 5000
+_HEALTHY: Final = 700
+_FAR: Final = 5.0
 _FRESH_EVERY: Final = 4  # a fresh run costs as much as the draw itself
 
 
@@ -118,19 +120,8 @@ class MotorBench:
             Measured(motor, Excited(kind, reference_s, 900 + k), 900 + k)
             for k, kind in enumerate(_REFERENCES)
         ]
-        references = measure_all(runs, healthy)
-        self.noise_rad_s = {
-            run.excited.kind: self._noise(reference, run.excited)
-            for reference, run in zip(references[: len(PLANS)], healthy, strict=False)
-        }
+        references = [run.folder(runs) for run in healthy]
         _command("identify", *references, "--out", self.model)
-
-    def _noise(self, reference: Path, excited: Excited) -> float:
-        """Root mean square of a window's noise: a run with it less one without, and the wander."""
-        quiet = self._quiet(excited, 0)
-        noise = read_run(reference).speed_rad_s - quiet
-        wandered = float(noise @ quiet) / float(quiet @ quiet)
-        return float(np.sqrt(np.mean((noise - wandered * quiet) ** 2)))
 
     def _quiet(self, excited: Excited, run_seed: int, defects: tuple[Defect, ...] = ()) -> Array:
         """Speed without noise and wander."""
@@ -156,9 +147,7 @@ class MotorBench:
         )
         run = self.measured(excited, draw.number, defects, wire=draw.wire)
         if defects:
-            effect = self.effect_rad_s(excited, draw.number, defects)
-            outcome.strength = float(np.sqrt(np.mean(effect**2))) / self.noise_rad_s[excited.kind]
-            outcome.oracle_gain = self._oracle_gain(run, draw, effect)
+            self._compare(outcome, read_run(run), draw)
         try:
             _take(outcome, self.diagnosis(run))
         except RuntimeError as error:
@@ -191,12 +180,19 @@ class MotorBench:
     def _extended(self) -> Path:
         return self._folder / "extended.yaml"
 
-    def _oracle_gain(self, run: Path, draw: Draw, effect: Array) -> float:
-        """Gain of adding the effect as it truly is to the identified model."""
-        record = read_run(run)
+    def _compare(self, outcome: Outcome, record: Record, draw: Draw) -> None:
+        """Hold what is hidden against the noise, and against the model's error."""
+        excited, quiet = draw.excited, self._quiet(draw.excited, 0)
+        hidden = self._quiet(excited, draw.number, draw.hidden.made)
+        healthy = read_run(self.measured(excited, _HEALTHY)).speed_rad_s
+        noise, even = _noise(record.speed_rad_s, hidden), _noise(healthy, quiet)
+        # In some windows the noise alone decides whether the motor turns: no effect is seen there.
+        calm = _within(noise) & _within(even)
+        effect = np.where(calm, hidden - quiet, 0.0)
+        outcome.strength = float(np.linalg.norm(effect[calm]) / np.linalg.norm(even[calm]))
         error, inside = _error(self.model, record)
-        noise = record.speed_rad_s - self._quiet(draw.excited, draw.number, draw.hidden.made)
-        return _gain(error[inside], (error - effect)[inside], noise[inside])
+        floor = record.speed_rad_s - hidden
+        outcome.oracle_gain = _gain(error[inside], (error - effect)[inside], floor[inside])
 
     def _fresh_gain(self, draw: Draw) -> float:
         """Share of the mean square above the noise that the extension removes on another run."""
@@ -213,6 +209,17 @@ def _error(model: Path, record: Record) -> tuple[Array, NDArray[np.bool_]]:
     """Error of a model's free run, and the rows inside the model's range."""
     simulation = replay_record(record, read_model(model)).simulation
     return record.speed_rad_s - simulation.speed_rad_s, simulation.inside
+
+
+def _noise(measured: Array, quiet: Array) -> Array:
+    """Noise of a run: what it has beyond the motor without noise, less the wander of the gain."""
+    noise = measured - quiet
+    return noise - float(noise @ quiet) / float(quiet @ quiet) * quiet
+
+
+def _within(noise: Array) -> NDArray[np.bool_]:
+    """Rows that are not far out."""
+    return np.abs(noise) < _FAR * 1.4826 * float(np.median(np.abs(noise)))
 
 
 def _gain(before: Array, after: Array, noise: Array) -> float:

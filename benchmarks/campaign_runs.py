@@ -1,7 +1,7 @@
 """Runs for campaigns: a motor drawn by seed, with or without defects, through the real sweep."""
 
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -168,16 +168,3 @@ def _through_wire(plant: WiredPlant) -> Iterator[Bench]:
         patient = replace(settings.daq, no_data_timeout_s=_WIRE_SILENCE_S)
         with open_bench(replace(settings, daq=patient)) as bench:
             yield bench
-
-
-def measure_all(parent: Path, runs: Sequence[Measured]) -> list[Path]:
-    """Return the folders of several runs.
-
-    Parameters
-    ----------
-    parent
-        Where the runs are.
-    runs
-        The runs.
-    """
-    return [run.folder(parent) for run in runs]
