@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from usmbench.errors import InputError
-from usmbench.model.interop import WRITERS
+from usmbench.model.run_files import WRITERS
 from usmbench.runs.reader import read_run
 
 _ENDINGS = {".csv": "csv", ".mat": "mat", ".nc": "netcdf", ".parquet": "parquet"}

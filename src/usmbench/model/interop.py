@@ -3,9 +3,6 @@
 Their packages are imported where they are used: none is needed to run the bench.
 """
 
-import importlib
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,8 +13,8 @@ from numpy.typing import NDArray
 from scipy.io import savemat
 from scipy.signal import TransferFunction
 
-from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel, LinearPart
+from usmbench.model.other_tools import field_names, package, writing
 from usmbench.runs.record import Pairs, Record
 
 if TYPE_CHECKING:
@@ -78,7 +75,7 @@ def to_control(linear: LinearPart) -> "control.TransferFunction":
     """
     numerator, denominator = _polynomials(linear)
     step: Any = True if linear.window_s is None else linear.window_s
-    return _package("control").TransferFunction(numerator, denominator, step)
+    return package("control").TransferFunction(numerator, denominator, step)
 
 
 def to_pandas(record: Record) -> "pd.DataFrame":
@@ -100,7 +97,7 @@ def to_pandas(record: Record) -> "pd.DataFrame":
     InputError
         pandas is not installed.
     """
-    pandas = _package("pandas")
+    pandas = package("pandas")
     index = pandas.Index(record.t_s, name="t_s")
     table: pd.DataFrame = pandas.DataFrame(_columns(record), index=index)
     table.attrs = {**_about(record), "units": {"t_s": "s", **_UNITS}}
@@ -125,7 +122,7 @@ def to_xarray(record: Record) -> "xr.Dataset":
     InputError
         xarray is not installed.
     """
-    xarray = _package("xarray")
+    xarray = package("xarray")
     variables = {
         name: ("t_s", column, {"units": _UNITS[name]} if name in _UNITS else {})
         for name, column in _columns(record).items()
@@ -133,68 +130,6 @@ def to_xarray(record: Record) -> "xr.Dataset":
     time = ("t_s", record.t_s, {"units": "s"})
     data: xr.Dataset = xarray.Dataset(variables, coords={"t_s": time}, attrs=_about(record))
     return data
-
-
-def write_csv(path: Path, record: Record) -> None:
-    """Write a run as one CSV file, with the columns that were derived.
-
-    Parameters
-    ----------
-    path
-        The file; an existing one is replaced.
-    record
-        The run.
-
-    Raises
-    ------
-    InputError
-        pandas is not installed, or the file cannot be written.
-    """
-    table = to_pandas(record)
-    with _writing(path):
-        table.to_csv(path, float_format="%.12g")
-
-
-def write_parquet(path: Path, record: Record) -> None:
-    """Write a run as Parquet, units and run.yaml in the file's metadata.
-
-    Parameters
-    ----------
-    path
-        The file; an existing one is replaced.
-    record
-        The run.
-
-    Raises
-    ------
-    InputError
-        pandas or pyarrow is not installed, or the file cannot be written.
-    """
-    _package("pyarrow")
-    table = to_pandas(record)
-    with _writing(path):
-        table.to_parquet(path, engine="pyarrow")
-
-
-def write_netcdf(path: Path, record: Record) -> None:
-    """Write a run as NetCDF 4, each variable with its units.
-
-    Parameters
-    ----------
-    path
-        The file; an existing one is replaced.
-    record
-        The run.
-
-    Raises
-    ------
-    InputError
-        xarray or h5netcdf is not installed, or the file cannot be written.
-    """
-    _package("h5netcdf")
-    data = to_xarray(record)
-    with _writing(path):
-        data.to_netcdf(path, engine="h5netcdf")
 
 
 def write_mat(
@@ -207,7 +142,8 @@ def write_mat(
     path
         The .mat file (version 5); an existing one is replaced.
     record
-        Becomes the struct `run`, a column vector a column, and the struct `pairs`.
+        Becomes the struct `run`, a column vector a column, and the struct `pairs`. A name of the
+        user's own that MATLAB cannot take has `_` for what is wrong in it.
     model
         Becomes the struct `model`: `a`, `b`, `dead_time_windows`, `window_s` (NaN for settled
         pairs), and a struct array `points` with `frequency_hz`, `torque_nm`, `knots_deg`, `delta`.
@@ -219,36 +155,17 @@ def write_mat(
     """
     content: dict[str, Any] = {}
     if record is not None:
-        content["run"] = {"t_s": record.t_s, **_columns(record)}
+        columns = {"t_s": record.t_s, **_columns(record)}
+        names = field_names(columns)
+        content["run"] = {names[name]: column for name, column in columns.items()}
         if record.pairs is not None:
             content["pairs"] = {
                 part.name: getattr(record.pairs, part.name) for part in fields(Pairs)
             }
     if model is not None:
         content["model"] = _model_struct(model)
-    with _writing(path):
+    with writing(path):
         savemat(path, content, oned_as="column", long_field_names=True)
-
-
-# What each format of `usmbench export` is written by.
-WRITERS: dict[str, Callable[[Path, Record], None]] = {
-    "csv": write_csv,
-    "mat": write_mat,
-    "netcdf": write_netcdf,
-    "parquet": write_parquet,
-}
-
-
-@contextmanager
-def _writing(path: Path) -> Iterator[None]:
-    """Turn what a library raises over a file into what a user can mend."""
-    try:
-        yield
-    except OSError as error:
-        raise InputError(
-            f"cannot be written ({error.strerror or error}); give a file in a folder that exists",
-            file=path,
-        ) from error
 
 
 def _model_struct(model: HammersteinModel) -> dict[str, Any]:
@@ -292,13 +209,3 @@ def _about(record: Record) -> dict[str, str]:
     """Return what a file says of a run beside its columns."""
     run_yaml = yaml.safe_dump(record.meta, sort_keys=False, allow_unicode=True)
     return {"name": record.name, "run_yaml": run_yaml}
-
-
-def _package(name: str) -> Any:
-    """Import a package that only this module uses."""
-    try:
-        return importlib.import_module(name)
-    except ImportError as error:
-        raise InputError(
-            f"{name} is not installed; install it with `pip install usmbench[interop]`"
-        ) from error

@@ -105,6 +105,26 @@ def test_what_went_out_comes_back(run: Path, name: str, capsys: pytest.CaptureFi
         assert done.returncode == 0, done.stdout
 
 
+def test_names_that_a_format_cannot_take_are_changed_and_nothing_is_lost(tmp_path: Path) -> None:
+    names = ["a/b", "a_b", "", "1x", "_x", "y" * 80, "y" * 81, "π", "t.s", "note"]
+    rows = [[k] * 2 + [10 * k + i for i in range(9)] + ["é$"] for k in (1, 2)]
+    table = pd.DataFrame(rows, columns=["phase_deg", "speed_rad_s", *names])
+    run = tmp_path / "wide.csv"
+    table.to_csv(run, index=False)
+    for ending in ("csv", "parquet", "nc", "mat"):
+        assert main(["export", str(run), str(tmp_path / f"out.{ending}")]) == 0
+    assert pd.read_parquet(tmp_path / "out.parquet")["a/b"].tolist() == [10.0, 20.0]
+    with xr.open_dataset(tmp_path / "out.nc", engine="h5netcdf") as data:
+        assert data["a_b"].values.tolist() == [11.0, 21.0]
+        assert data["a_b_2"].attrs["long_name"] == "a/b"
+        assert data["note"].values.tolist() == ["é$", "é$"]
+        assert len(data.data_vars) == 3 + len(names)
+    content = loadmat(tmp_path / "out.mat", simplify_cells=True)["run"]
+    assert content["a_b_2"].tolist() == [10.0, 20.0]
+    assert content["x_x"].tolist() == [14.0, 24.0]
+    assert len(content) == 4 + len(names)
+
+
 def test_an_unknown_operating_point_leaves_the_pairs_to_the_reader(tmp_path: Path) -> None:
     mapping, data, out = tmp_path / "map.yaml", tmp_path / "data.csv", tmp_path / "run"
     mapping.write_text(
