@@ -10,7 +10,8 @@ from usmbench.cli.json_output import write_json
 from usmbench.cli.text_table import text_table
 from usmbench.errors import InputError
 from usmbench.report.plain_text import printable
-from usmbench.runs.catalogue import RunSummary, changed_data, find_runs, parse_condition
+from usmbench.runs.catalogue import RunSummary, changed_data, find_runs
+from usmbench.runs.condition import parse_condition
 
 RUNS_FOLDER = Path("runs")
 _HEADS = ("run", "started", "plan", "points", "exit", "fit")

@@ -3,15 +3,13 @@
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from datetime import UTC, date, datetime
-from fnmatch import fnmatchcase
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Final
 
-import yaml
-
 from usmbench.errors import InputError
 from usmbench.runs.columns import RUN_FILE
+from usmbench.runs.condition import Condition
 from usmbench.runs.meta import changed_files
 from usmbench.runs.meta_blocks import MetaBlocks
 
@@ -48,46 +46,6 @@ class RunSummary:
 
 
 @dataclass(frozen=True, slots=True)
-class Condition:
-    """What a run must say to be found.
-
-    Parameters
-    ----------
-    key
-        A key of run.yaml, with dots between the levels; lists stand for their items.
-    value
-        What is to be there: a number or text, in which * and ? stand for any letters and one.
-    """
-
-    key: str
-    value: str
-
-    def holds(self, meta: MetaBlocks) -> bool:
-        """Return whether a run fulfils the condition.
-
-        Parameters
-        ----------
-        meta
-            What its run.yaml says.
-
-        Raises
-        ------
-        usmbench.errors.InputError
-            run.yaml cannot be read.
-        """
-        return any(self._fits(value) for value in meta.values(self.key))
-
-    def _fits(self, value: object) -> bool:
-        if isinstance(value, bool | None):
-            return yaml.safe_load(self.value) is value
-        if isinstance(value, int | float):
-            number = _number(self.value)
-            return number is not None and number == value
-        text = value.isoformat() if isinstance(value, date) else str(value)
-        return fnmatchcase(text.casefold(), self.value.casefold())
-
-
-@dataclass(frozen=True, slots=True)
 class Catalogue:
     """The runs of a folder.
 
@@ -101,25 +59,6 @@ class Catalogue:
 
     runs: tuple[RunSummary, ...]
     unreadable: tuple[str, ...]
-
-
-def parse_condition(text: str) -> Condition:
-    """Return the condition that KEY=VALUE says.
-
-    Parameters
-    ----------
-    text
-        Such as ``plan.name=phase-sweep`` or ``exit=failed*``.
-
-    Raises
-    ------
-    usmbench.errors.InputError
-        There is no key or no equals sign.
-    """
-    key, equals, value = text.partition("=")
-    if not key or not equals:
-        raise InputError(f"--find {text!r} is not KEY=VALUE, such as plan.name=phase-sweep")
-    return Condition(key, value)
 
 
 def find_runs(folder: Path, conditions: Sequence[Condition] = ()) -> Catalogue:
@@ -225,13 +164,6 @@ def _instant(value: object) -> datetime | None:
 def _numbers(value: Any) -> tuple[float, ...]:
     values = value if isinstance(value, list) else [value]
     return tuple(float(number) for number in values if isinstance(number, int | float))
-
-
-def _number(text: str) -> float | None:
-    try:
-        return float(text)
-    except ValueError:
-        return None
 
 
 def _age(run: RunSummary) -> tuple[datetime, str]:

@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from usmbench.errors import InputError
-from usmbench.runs.catalogue import changed_data, find_runs, parse_condition
+from usmbench.runs.catalogue import changed_data, find_runs
+from usmbench.runs.condition import parse_condition
 
 RUN = """\
 format: usmbench-run/1
@@ -18,6 +19,7 @@ plan:
   name: {plan}
   frequency_hz: [41000, 41500]
   torque_nm: 0.1
+simulated: true
 exit: {exit}
 """
 
@@ -74,6 +76,9 @@ def test_a_summary_says_when_what_and_how_it_ended(runs: Path) -> None:
         (["started=2026-11-02*"], ["b"]),
         (["bench.temperature.channel=ai0"], []),
         (["nothing=1"], []),
+        (["simulated=true"], ["a", "b", "c"]),
+        (["simulated=1"], []),
+        (["simulated=["], []),
     ],
 )
 def test_any_key_finds(runs: Path, conditions: list[str], expected: list[str]) -> None:
