@@ -1,0 +1,290 @@
+"""The thread that alone talks to board and card while bluesky drives the bench."""
+
+import queue
+import threading
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import Final
+
+from usmbench.bluesky.signals import Signal, data_key
+from usmbench.bluesky.status import DeviceStatus
+from usmbench.errors import BenchError, InterlockError, LostCountsError
+from usmbench.instruments.samples import SampleSource
+from usmbench.settings.bench import BenchSettings
+from usmbench.settings.plan import DwellSettings
+from usmbench.sweep.drive import CommandedDrive, DriveControl, Setting
+from usmbench.sweep.interlocks import InterlockState
+from usmbench.sweep.rows import WindowRow
+from usmbench.sweep.settling import Settling
+from usmbench.sweep.window_reader import WindowReader
+
+# A suspender hears of a tripped interlock first and has this long to suspend the plan; without one
+# what is under way then fails.
+GRACE_S: Final = 0.5
+# A window, a command with all its repeats, and a busy machine.
+_STOP_TIMEOUT_S: Final = 5.0
+
+Change = Callable[[Setting], Setting]
+
+
+@dataclass(slots=True)
+class Measurement:
+    """A dwell's speed, under way or done.
+
+    Parameters
+    ----------
+    dwell
+        When it counts as settled.
+    status
+        Done when the measurement is.
+    settling
+        The speeds so far.
+    row
+        The last window of it.
+    """
+
+    dwell: DwellSettings
+    status: DeviceStatus
+    settling: Settling
+    row: WindowRow | None = None
+
+
+class BenchLoop:
+    """Reads windows, watches the interlocks, and carries out commands between two windows.
+
+    Parameters
+    ----------
+    drive
+        The signal generator, its outputs off.
+    source
+        The encoder's samples, not yet started.
+    settings
+        What the bench file says; its interlocks hold throughout.
+    at_rest
+        Frequency and load before the first command.
+    """
+
+    def __init__(
+        self,
+        drive: DriveControl,
+        source: SampleSource,
+        settings: BenchSettings,
+        at_rest: Setting,
+    ):
+        self.ready = Signal("ready", data_key("interlocks", dtype="boolean"), value=True)
+        self.speed = Signal("live_speed_rad_s", data_key("encoder", "rad/s"), 0.0)
+        self.temperature = Signal("temperature_c", data_key("sensor", "°C"), 0.0)
+        self.settings = settings
+        self.listeners: list[Callable[[WindowRow, float], None]] = []
+        self._source = source
+        self._setting = at_rest
+        self._commands = CommandedDrive(drive, source)
+        self._commands.begin(at_rest)
+        self._reader = WindowReader(source, self._commands, settings, settings.interlocks)
+        self._requests: queue.SimpleQueue[tuple[Change | None, DeviceStatus]] = queue.SimpleQueue()
+        self._measurement: Measurement | None = None
+        self._failing: list[tuple[float, DeviceStatus]] = []
+        self._trip: BenchError | None = None
+        self._broken = False
+        self._acknowledged = threading.Event()
+        self._closing = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="usmbench bluesky", daemon=True)
+
+    def start(self) -> None:
+        """Start the acquisition and the thread.
+
+        Raises
+        ------
+        usmbench.errors.DaqError
+            The card cannot be started.
+        """
+        self._source.start()
+        self._thread.start()
+
+    def close(self) -> None:
+        """Switch the drive off and end the thread.
+
+        Raises
+        ------
+        usmbench.errors.BenchError
+            The thread does not end.
+        """
+        self._closing.set()
+        self._thread.join(_STOP_TIMEOUT_S + self.settings.daq.no_data_timeout_s)
+        if self._thread.is_alive():
+            raise BenchError("the bench's loop does not end; cut the power of the amplifiers")
+
+    @property
+    def setting(self) -> Setting:
+        """What was commanded last."""
+        return self._setting
+
+    def change(self, change: Change) -> DeviceStatus:
+        """Have the drive changed, and on afterwards.
+
+        Parameters
+        ----------
+        change
+            From the setting before to the one after.
+
+        Returns
+        -------
+        DeviceStatus
+            Done when the board has acknowledged; fails where an interlock has tripped.
+        """
+        status = DeviceStatus()
+        self._requests.put((change, status))
+        return status
+
+    def rest(self) -> None:
+        """Switch the drive off; what waits for a measurement waits no more.
+
+        Raises
+        ------
+        usmbench.errors.BenchError
+            The board cannot be reached.
+        """
+        status = DeviceStatus()
+        self._requests.put((None, status))
+        if self._thread.is_alive():
+            status.wait(_STOP_TIMEOUT_S)
+
+    def measure(self, dwell: DwellSettings) -> Measurement:
+        """Have the speed measured from the windows after the last command.
+
+        Parameters
+        ----------
+        dwell
+            When it counts as settled.
+        """
+        measurement = Measurement(dwell, DeviceStatus(), Settling(dwell.settle))
+        self._measurement = measurement
+        return measurement
+
+    def acknowledge(self) -> None:
+        """Say that what tripped an interlock has been mended: commands are taken again."""
+        self._acknowledged.set()
+
+    def _run(self) -> None:
+        try:
+            while not self._closing.is_set():
+                self._carry_out()
+                self._window()
+        except BenchError as error:
+            self._break_with(error)
+        except BaseException as error:
+            self._break_with(BenchError(f"the bench's loop failed: {error!r}"))
+            raise
+        finally:
+            with suppress(BenchError):
+                # The generator's own context tries again, several times.
+                self._commands.off()
+            self._refuse_all()
+
+    def _carry_out(self) -> None:
+        """Carry out what was asked for since the last window."""
+        if self._acknowledged.is_set():
+            self._acknowledged.clear()
+            self._trip = None
+            self.ready.put(value=True, at_s=time.time())
+        while not self._requests.empty():
+            change, status = self._requests.get()
+            try:
+                self._answer(change, status)
+            except BenchError as error:
+                status.end(error)
+                raise
+
+    def _answer(self, change: Change | None, status: DeviceStatus) -> None:
+        if change is None:
+            self._drive_off()
+            self._measurement = None
+            self._failing.clear()
+        elif self._trip is not None:
+            self._failing.append((time.monotonic() + GRACE_S, status))
+            return
+        else:
+            setting = change(self._setting)
+            if setting.drive_on:
+                self._commands.apply(setting)
+            self._setting = setting
+        status.end()
+
+    def _drive_off(self) -> None:
+        self._commands.rest()
+        self._setting = replace(self._setting, phase_deg=0.0, drive_on=0)
+
+    def _window(self) -> None:
+        measurement = self._measurement
+        _, row = self._reader.read(measurement.settling if measurement else None)
+        at_s = time.time()
+        try:
+            self._reader.watch(hands_off=True)
+        except (InterlockError, LostCountsError) as error:
+            self._tripped(error)
+            measurement = None
+        self.speed.put(row.speed_rad_s, at_s)
+        if row.temperature_c is not None:
+            self.temperature.put(row.temperature_c, at_s)
+        for listener in list(self.listeners):
+            listener(row, at_s)
+        if measurement is not None and self._trip is None:
+            self._finish(measurement, row)
+        self._fail_those_due()
+
+    def _finish(self, measurement: Measurement, row: WindowRow) -> None:
+        """End a measurement that has what it needs."""
+        dwell = measurement.dwell
+        if measurement.settling.has_enough(dwell.windows, dwell.extend_to_windows):
+            measurement.row = row
+            if self._measurement is measurement:
+                self._measurement = None
+            measurement.status.end()
+
+    def _tripped(self, error: BenchError) -> None:
+        """Switch off, tell the suspenders, and have what is under way fail a little later."""
+        self._drive_off()
+        # Just switched off: the motor may still be turning.
+        self._reader.interlocks = InterlockState(off_s=0.0)
+        self._trip = error
+        if self.ready.get():
+            self.ready.put(value=False, at_s=time.time())
+        self._doom_measurement()
+
+    def _doom_measurement(self) -> None:
+        measurement, self._measurement = self._measurement, None
+        if measurement is not None:
+            self._failing.append((time.monotonic() + GRACE_S, measurement.status))
+
+    def _fail_those_due(self) -> None:
+        if self._trip is not None and self._measurement is not None:
+            self._doom_measurement()
+        now_s = time.monotonic()
+        due = [status for at_s, status in self._failing if at_s <= now_s]
+        self._failing = [(at_s, status) for at_s, status in self._failing if at_s > now_s]
+        for status in due:
+            status.end(self._trip)
+
+    def _break_with(self, error: BenchError) -> None:
+        self._trip = error
+        self._broken = True
+        self.ready.put(value=False, at_s=time.time())
+
+    def _refuse_all(self) -> None:
+        """Answer what is asked once the loop has ended, until nobody asks any more."""
+        ended = self._trip or BenchError("the bench has been closed; open it again")
+        while self._broken and not self._closing.wait(0.05):
+            self._refuse(ended)
+        self._refuse(ended)
+
+    def _refuse(self, error: BenchError) -> None:
+        while not self._requests.empty():
+            change, status = self._requests.get()
+            status.end(None if change is None else error)
+        measurement, self._measurement = self._measurement, None
+        waiting = [status for _, status in self._failing]
+        self._failing.clear()
+        for status in [*waiting, *([measurement.status] if measurement else [])]:
+            status.end(error)
