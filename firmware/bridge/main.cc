@@ -76,6 +76,7 @@ struct Board {
             a.clock(level, sdata.level());
             b.clock(level, sdata.level());
         });
+        pic.on_restart = [this] { receiver.abandon(); };
         sdata.watch([this](bool) { a.data(), b.data(); });
         enable.watch([](bool level) { log_event(level ? "\"enable\": 1" : "\"enable\": 0"); });
         sync.watch([](bool level) { log_event(level ? "\"sync\": 1" : "\"sync\": 0"); });

@@ -14,7 +14,7 @@
 
 namespace {
 constexpr unsigned kIntcon = 0xFF2, kStkptr = 0xFFC, kRcon = 0xFD0, kTrisB = 0xF93, kTrisC = 0xF94,
-                   kSspcon1 = 0xFC6, kRcsta = 0xFAB, kTxsta = 0xFAC;
+                   kSspcon1 = 0xFC6, kSspstat = 0xFC7, kRcsta = 0xFAB, kTxsta = 0xFAC;
 constexpr unsigned kGie = 0x80, kStackFull = 0x80, kStackUnderflow = 0x40;
 constexpr unsigned kInterruptVector = 0x0008;
 constexpr double kClockHz = 4.0 * kCyclesPerSecond;
@@ -82,12 +82,16 @@ void Pic::restart(Cause cause) {
     for (unsigned tris : {kTrisB, kTrisC}) registers[tris]->put(0xFF);  // before the latches change
     // gpsim stops these by writing to their registers, not by resetting them.
     for (unsigned control : {kSspcon1, kRcsta, kTxsta}) registers[control]->put(0);
+    ssp.sspbuf.setFullFlag(false);
+    get_cycles().clear_break(&usart.txsta);  // of the byte that was going out
     P18F2520::reset(POR_RESET);
     resetting_ = false;
+    on_restart();
     intcon.in_interrupt = false;  // or a reset within an interrupt would leave it on for ever
     get_bp().clear_global();  // a halt that gpsim asked for would stop the cycle counter
     mExecute1Cycle->setNextPhase(mExecute1Cycle);
     mCurrentPhase = mExecute1Cycle;
+    set_register(kSspstat, 0);
     for (const auto &[name, entry] : kCauses) {
         if (entry.cause != cause) continue;
         set_register(kRcon, entry.rcon);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -26,6 +27,7 @@ public:
     void run_until(uint64_t cycle);
     void restart(Cause cause);
     bool resetting() const { return resetting_; }  // its pins are letting go
+    std::function<void()> on_restart = [] {};
     // Put a reset off to the end of the instruction that causes it.
     void reset(RESET_TYPE type) override;
 

@@ -59,3 +59,8 @@ void HostReceiver::callback() {
         get_cycles().set_break(now() + bit_cycles, this);
     }
 }
+
+void HostReceiver::abandon() {
+    if (busy_) get_cycles().clear_break(this);
+    busy_ = false;
+}

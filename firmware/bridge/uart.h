@@ -36,6 +36,7 @@ class HostReceiver : public TriggerObject {
 public:
     explicit HostReceiver(Wire &wire);
     void callback() override;
+    void abandon();  // a byte cut off by a reset
     uint64_t bit_cycles = kCyclesPerBit;
     // Bytes since the last call of take().
     std::deque<uint8_t> received;

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from hil_sim.gpsim_board import BYTE_CYCLES
 from hil_sim.gpsim_bridge import BUILD, CYCLES_PER_SECOND
 from usmbench.instruments.protocol._generated import Faults, Flags, Refusal, RequestType, ResetCause
 
@@ -37,6 +38,28 @@ def test_a_program_astray_is_caught_by_the_watchdog(image_host: "ImageHost") -> 
     assert image_host.line.board.drive_changes[-1][0] - began_s < 0.07
     assert not image_host.line.drives()
     assert image_host.status()[:2] == (Flags.NOT_IDENTIFIED, ResetCause.WATCHDOG)
+
+
+@pytest.mark.parametrize(
+    ("kind", "fields"), [(RequestType.SET_DRIVE, (441_000, 30)), (RequestType.OUTPUTS, (1,))]
+)
+def test_a_reset_at_any_point_of_the_execution(
+    image_host: "ImageHost", kind: RequestType, fields: tuple[int, ...]
+) -> None:
+    image_host.start()
+    # From the request's last stop bit to the reply, in steps that meet each part of a word.
+    for after_cycles in range(0, round(200e-6 * CYCLES_PER_SECOND), 23):
+        frame = image_host.frame(kind, *fields)
+        (now,) = image_host.image.disturb("measure")
+        end = now["cycle"] + BYTE_CYCLES * len(frame) + after_cycles
+        image_host.image.disturb(f"send {frame.hex()}", f"run {end}", "reset watchdog")
+        image_host.line.now_s = image_host.image.time_s + 0.001
+        image_host.line.wait(0.002)
+        assert not image_host.line.drives()
+        image_host.line.received()
+        status = image_host.status()
+        assert status == (Flags.NOT_IDENTIFIED, ResetCause.WATCHDOG, 0, 0, 0, 0, 0, 0, 0)
+        image_host.start()
 
 
 def test_the_watchdog_also_sees_a_tick_that_stopped(image_host: "ImageHost") -> None:
