@@ -2,7 +2,7 @@
 
 import json
 from contextlib import redirect_stderr, redirect_stdout
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 from typing import Any, Final
@@ -10,7 +10,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.campaign_draws import Draw, Hidden
+from benchmarks.campaign_draws import Draw
+from benchmarks.campaign_outcome import Outcome
 from benchmarks.campaign_runs import PLANS, Excited, Measured, Motor
 from hil_sim.defects import Defect
 from usmbench.cli.main import main as usmbench
@@ -28,74 +29,6 @@ _FRESH: Final = 5000
 _HEALTHY: Final = 700
 _FAR: Final = 6.0
 _FRESH_EVERY: Final = 4  # a fresh run costs as much as the draw itself
-
-
-@dataclass(slots=True)
-class Outcome:
-    """What came out of one draw; one line of the campaign's record.
-
-    Parameters
-    ----------
-    motor, number
-        Which draw.
-    hidden
-        What was hidden.
-    plan, duration_s, correlation_s, wander, wire
-        Under which conditions.
-    strength
-        Root mean square of what was hidden, in the speed, over the noise of a window.
-    verdict, named, alternatives, remainder
-        What diagnose said.
-    gain
-        The held-out gain that it claims; None where it names nothing.
-    oracle_gain
-        The gain of the identified model with the hidden effect, known exactly, added to it.
-    fresh_gain
-        The gain of the extended model on another run.
-    intervals
-        Parameters whose truth is known: name to truth, low, value, high.
-    error
-        What the command complained of, where it failed.
-    """
-
-    motor: int
-    number: int
-    hidden: Hidden
-    plan: str
-    duration_s: float
-    correlation_s: float
-    wander: float
-    wire: bool
-    strength: float = 0.0
-    verdict: str = ""
-    named: list[str] = field(default_factory=list)
-    alternatives: list[str] = field(default_factory=list)
-    gain: float | None = None
-    oracle_gain: float | None = None
-    fresh_gain: float | None = None
-    intervals: dict[str, list[float]] = field(default_factory=dict)
-    remainder: str = ""
-    error: str = ""
-
-    @property
-    def judgement(self) -> str:
-        """What the outcome is called in the table."""
-        if self.error:
-            return "error"
-        if not self.named:
-            return self.verdict
-        wanted, known = set(self.hidden.causes), {*self.named, *self.alternatives}
-        if self.hidden.group == "two":
-            if wanted <= known:
-                return "right" if wanted <= set(self.named) else "in the set"
-            return "one of two" if wanted & known else "wrong"
-        if self.named[0] in wanted:
-            return "right" if len(self.named) == 1 else "right, and more"
-        return "in the set" if wanted & known else "wrong"
-
-    def line(self) -> str:
-        """Return the record's line."""
-        return json.dumps({**asdict(self), "judgement": self.judgement}, ensure_ascii=False)
 
 
 class MotorBench:
@@ -149,7 +82,7 @@ class MotorBench:
         if defects:
             self._compare(outcome, read_run(run), draw)
         try:
-            _take(outcome, self.diagnosis(run))
+            outcome.take(self.diagnosis(run))
         except RuntimeError as error:
             outcome.error = str(error)
             return outcome
@@ -231,22 +164,6 @@ def _gain(before: Array, after: Array, noise: Array) -> float:
     """Share of the mean square above the noise that is gone."""
     whole, left, floor = (float(np.mean(e**2)) for e in (before, after, noise))
     return 1.0 - (left - floor) / max(whole - floor, 1e-12)
-
-
-def _take(outcome: Outcome, found: dict[str, Any]) -> None:
-    """Keep what the campaign counts of a diagnosis."""
-    outcome.verdict = found["verdict"]
-    outcome.named = [cause["name"] for cause in found["causes"]]
-    outcome.alternatives = [a for cause in found["causes"] for a in cause["alternatives"]]
-    outcome.gain = found["gain"] if found["causes"] else None
-    outcome.remainder = "" if found["remainder"] is None else found["remainder"]["versus"]
-    if not outcome.named or outcome.named[0] not in outcome.hidden.causes:
-        return
-    estimates = found["causes"][0]["parameters"]
-    for name, truth in outcome.hidden.truth.items():
-        if name in estimates:
-            e = estimates[name]
-            outcome.intervals[name] = [truth, e["low"], e["value"], e["high"]]
 
 
 def _command(*words: str | Path) -> None:

@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.campaign_bench import MotorBench, Outcome
+from benchmarks.campaign_bench import MotorBench
 from benchmarks.campaign_draws import GROUPS, STRENGTHS, Draw, Hidden, draws, hide, motor_of
+from benchmarks.campaign_outcome import Outcome
 from benchmarks.campaign_runs import Excited, Measured, Motor
 from benchmarks.campaign_tables import report, share, wrong_ones
 from hil_sim.defects import CATALOGUE
