@@ -73,18 +73,18 @@ def work(campaign: Campaign, number: int) -> list[str]:
     return lines
 
 
-def run(campaign: Campaign, n_motors: int, processes: int, minutes: float) -> Iterator[str]:
+def run(campaign: Campaign, motors: range, processes: int, minutes: float) -> Iterator[str]:
     """Yield the record, motor by motor, until all are done or the time is over."""
     ends_s = time.monotonic() + 60.0 * minutes
     if processes == 1:
-        for number in range(n_motors):
+        for number in motors:
             yield from work(campaign, number)
             if time.monotonic() > ends_s:
                 return
         return
     context = multiprocessing.get_context("spawn")
     with context.Pool(processes, maxtasksperchild=4) as pool:
-        for lines in pool.imap_unordered(partial(work, campaign), range(n_motors)):
+        for lines in pool.imap_unordered(partial(work, campaign), motors):
             yield from lines
             if time.monotonic() > ends_s:
                 return
@@ -96,6 +96,7 @@ def main(argv: list[str] | None = None) -> int:
     )
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--motors", type=int, default=25)
+    parser.add_argument("--first", type=int, default=0, help="number of the first motor")
     parser.add_argument("--draws", type=int, default=12, help="draws of each motor")
     parser.add_argument("--through-wire", type=int, default=2, help="draws a motor over pty, gRPC")
     parser.add_argument("--wanders", type=float, nargs="+", default=list(WANDERS))
@@ -120,9 +121,10 @@ def main(argv: list[str] | None = None) -> int:
 
 def _driven(arguments: argparse.Namespace) -> list[Row]:
     """Run the campaign and keep its record."""
-    n_motors, n_draws, processes = arguments.motors, arguments.draws, arguments.processes
+    n_draws, processes = arguments.draws, arguments.processes
+    motors = range(arguments.first, arguments.first + arguments.motors)
     if arguments.small:
-        n_motors, n_draws, processes = 1, 3, 1
+        motors, n_draws, processes = motors[:1], 3, 1
     campaign = Campaign(
         arguments.seed,
         n_draws,
@@ -136,7 +138,7 @@ def _driven(arguments: argparse.Namespace) -> list[Row]:
     with tempfile.NamedTemporaryFile("w") as nowhere:
         kept = arguments.out or Path(nowhere.name)
         with kept.open("w", encoding="utf-8") as record:
-            for line in run(campaign, n_motors, processes, arguments.minutes):
+            for line in run(campaign, motors, processes, arguments.minutes):
                 lines.append(line)
                 print(line, file=record, flush=True)
     return [json.loads(line) for line in lines]
