@@ -1,11 +1,16 @@
 """usmbench doctor: what is printed, and the exit status."""
 
 import json
+import signal
 from pathlib import Path
 
 import pytest
 
 from usmbench.cli.main import main
+from usmbench.instruments.generator import SignalGenerator
+from usmbench.instruments.nidaq import NiSampleSource
+from usmbench.instruments.protocol.messages import Status
+from usmbench.instruments.samples import SampleBlock
 
 
 def test_the_simulated_bench_is_fit_and_moved_only_when_told(
@@ -52,3 +57,41 @@ def test_a_wrong_bench_file_is_one_line_and_status_2(
     said = capsys.readouterr().err
     assert "bench.yaml:2: generator.prot: unknown key; did you mean port?" in said
     assert said.count("\n") == 1
+
+
+def test_ctrl_c_while_the_motor_turns_switches_the_drive_off(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    next_block, status, close = (
+        NiSampleSource.next_block,
+        SignalGenerator.status,
+        SignalGenerator.close,
+    )
+    generators: list[SignalGenerator] = []
+    outputs_on: list[bool] = []
+    blocks = 0
+
+    def asked(generator: SignalGenerator) -> Status:
+        generators.append(generator)
+        return status(generator)
+
+    def interrupted(source: NiSampleSource) -> SampleBlock:
+        nonlocal blocks
+        blocks += 1
+        if blocks == 90:
+            outputs_on.append(generators[-1].outputs_on)
+            signal.raise_signal(signal.SIGINT)
+        return next_block(source)
+
+    def closed(generator: SignalGenerator) -> None:
+        outputs_on.append(generator.outputs_on)
+        close(generator)
+
+    monkeypatch.setattr(NiSampleSource, "next_block", interrupted)
+    monkeypatch.setattr(SignalGenerator, "status", asked)
+    monkeypatch.setattr(SignalGenerator, "close", closed)
+    assert main(["doctor", "--bench", "simulated", "--move"]) == 130
+    assert outputs_on == [True, False]
+    said = capsys.readouterr()
+    assert "motion" not in said.out
+    assert said.err == "usmbench: stopped by the user\n"

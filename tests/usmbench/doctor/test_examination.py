@@ -138,6 +138,18 @@ def test_without_leave_to_move_the_outputs_are_never_on() -> None:
         assert all(drive.amplitude_a == 0.0 for _, drive in running.testbed.drive_history)
 
 
+def test_a_port_is_searched_for_where_the_bench_file_says_auto(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def auto(bench: BenchSettings) -> BenchSettings:
+        monkeypatch.setattr("usmbench.doctor.wire.find_board", lambda: bench.generator.port)
+        return with_generator(port="auto")(bench)
+
+    with examined(auto, move=False) as (findings, running):
+        assert findings["port"].saw == f"{running.port}: a board answered on it"
+        assert findings["board"].status == "ok"
+
+
 def test_a_port_that_is_not_there() -> None:
     with examined(with_generator(port="/dev/no-such-port")) as (findings, _):
         assert statuses(findings, "failed") == ["port"]
