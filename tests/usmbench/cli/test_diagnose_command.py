@@ -1,0 +1,197 @@
+"""What a user meets: files, exit statuses, and experiments run until one cause is left."""
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+
+from usmbench.cli import deciding_runs, diagnose_command
+from usmbench.cli.deciding_runs import Judged
+from usmbench.cli.main import main
+from usmbench.cli.simulated_motor import SimulatedMotor
+from usmbench.diagnose.experiment_menu import planned_record
+from usmbench.model.hammerstein import HammersteinModel, LinearPart, OperatingPoint, StaticCurve
+from usmbench.model.model_file import write_model
+from usmbench.model.simulate import simulate
+from usmbench.runs.reader import read_run
+from usmbench.runs.record import Record
+from usmbench.settings.plan import Plan
+
+CHECKER = Path(__file__).parents[4] / "shared" / "tools" / "check-contract"
+NOISE_RAD_S = 0.03
+LATE = {"name": "transport_delay", "form": "", "parameters": {"delay_s": 0.04}}
+
+
+def motor() -> HammersteinModel:
+    knots_deg = np.array([-90.0, -45.0, 0.0, 45.0, 90.0])
+    curve = StaticCurve(knots_deg, np.array([-10.0, -8.0, 0.0, 8.0, 10.0]))
+    point = OperatingPoint(41_000.0, 0.0, curve, (-90.0, 90.0), (-4.0, 4.0), NOISE_RAD_S)
+    return HammersteinModel(LinearPart(np.array([-0.04]), np.array([0.96]), 0, 0.01), (point,), "x")
+
+
+def measured(record: Record, file: Path, seed: int, *effects: dict[str, Any]) -> Path:
+    """Write what a motor with some effects shows as a bare CSV."""
+    run = simulate(replace(motor(), effects=effects), record.phase_deg)
+    noise = NOISE_RAD_S * np.random.default_rng(seed).standard_normal(record.t_s.size)
+    columns = np.column_stack(
+        [record.t_s, record.phase_deg, run.speed_rad_s + noise, np.full(record.t_s.size, 41_000.0)]
+    )
+    header = "t_s,phase_deg,speed_rad_s,frequency_hz"
+    np.savetxt(file, columns, fmt="%.6f", delimiter=",", header=header, comments="")
+    return file
+
+
+@pytest.fixture
+def model_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    write_model(tmp_path / "model.yaml", motor())
+    return tmp_path / "model.yaml"
+
+
+@pytest.fixture(scope="module")
+def triangle() -> Record:
+    there = np.r_[np.arange(0, 90, 0.5), np.arange(90, -90, -0.5), np.arange(-90, 0, 0.5)]
+    phase_deg = np.repeat(there, 4)
+    window_s = np.full(phase_deg.size, 0.01)
+    return Record("triangle", np.cumsum(window_s), phase_deg, 0.0 * phase_deg, window_s)
+
+
+@pytest.fixture(scope="module")
+def late(triangle: Record, tmp_path_factory: pytest.TempPathFactory) -> Judged:
+    """What is said of the triangle on a motor that acts late."""
+    run = measured(triangle, tmp_path_factory.mktemp("late") / "run.csv", 5, LATE)
+    return deciding_runs.judge([read_run(run)], motor())
+
+
+class Bench:
+    """Stands for the bench: writes what the late motor would show under a plan."""
+
+    def __init__(self) -> None:
+        self.plans: list[Plan] = []
+        self.motors: list[SimulatedMotor] = []
+
+    def measure(self, plan: Plan, bench: str, motor_: SimulatedMotor, folder: Path) -> None:
+        self.plans.append(plan)
+        self.motors.append(motor_)
+        folder.parent.mkdir(exist_ok=True)
+        measured(planned_record(plan, motor(), 0.01), folder, 10 + len(self.plans), LATE)
+
+
+@pytest.fixture
+def bench(monkeypatch: pytest.MonkeyPatch) -> Bench:
+    bench = Bench()
+    monkeypatch.setattr(deciding_runs, "_measure", bench.measure)
+    return bench
+
+
+def test_all_files_are_written_and_sweep_takes_the_plan(
+    model_file: Path,
+    late: Judged,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(diagnose_command, "judge", lambda records, model: late)
+    run = late.records[0].name
+    outputs = ["--out", "extended.yaml", "--json", "found.json", "--report", "report.html"]
+    words = [str(run), "--model", str(model_file), *outputs, "--next", "next.yaml"]
+    assert main(["diagnose", *words]) == 0
+    found = json.loads(Path("found.json").read_text())
+    said = capsys.readouterr().out
+    assert said.startswith("verdict    explained")
+    causes = {found["causes"][0]["name"], *found["causes"][0]["alternatives"]}
+    assert {"transport_delay", "dead_zone_hysteresis"} <= causes
+    proposal = found["next_experiment"]
+    assert f"next       {proposal['says']}" in said
+    assert yaml.safe_load(Path("next.yaml").read_text()) == proposal["plan"]
+    assert main(["sweep", "next.yaml", "--dry-run"]) == 0
+    assert "duration" in capsys.readouterr().out
+    page = Path("report.html").read_text("utf-8")
+    assert "The next experiment" in page
+    assert "next-experiment" in page
+    assert main(["replay", str(run), "--model", "extended.yaml", "--json", "replay.json"]) == 0
+    assert json.loads(Path("replay.json").read_text())["rmse_rad_s"] < 2.0 * NOISE_RAD_S
+    if CHECKER.exists():
+        words = [sys.executable, str(CHECKER), "diagnose", "found.json"]
+        checked = subprocess.run(words, capture_output=True, text=True, check=False)
+        assert checked.returncode == 0, checked.stdout
+
+
+def test_with_a_bench_it_goes_on_until_one_cause_is_left(
+    model_file: Path,
+    triangle: Record,
+    tmp_path: Path,
+    bench: Bench,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    run = measured(triangle, tmp_path / "run.csv", 5, LATE)
+    words = [str(run), "--model", str(model_file), "--bench", "simulated", "--json", "found.json"]
+    assert main(["diagnose", *words, "--runs-folder", str(tmp_path / "more")]) == 0
+    found = json.loads(Path("found.json").read_text())
+    assert found["causes"][0]["name"] == "transport_delay"
+    assert found["causes"][0]["alternatives"] == []
+    assert found["next_experiment"] is None
+    assert 1 <= len(bench.plans) <= 3
+    assert bench.motors[0].seed == 1
+    said = capsys.readouterr().out
+    assert said.count("driven     ") == len(bench.plans)
+    assert len(list((tmp_path / "more").iterdir())) == len(bench.plans)
+
+
+def test_the_budget_ends_it(
+    late: Judged, tmp_path: Path, bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A bench on which every experiment leaves the question open."""
+    monkeypatch.setattr(
+        deciding_runs, "judge", lambda records, model: replace(late, records=tuple(records))
+    )
+    judged = list(deciding_runs.decide(late, motor(), "bench.yaml", 2, tmp_path / "runs"))
+    assert [len(each.records) for each in judged] == [2, 3]
+    assert len(bench.plans) == 2
+
+
+def test_a_run_as_simulated_proposes_nothing_and_writes_no_plan(
+    model_file: Path, triangle: Record, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = measured(triangle, tmp_path / "run.csv", 8)
+    words = [str(run), "--model", str(model_file), "--next", "next.yaml", "--json", "-"]
+    assert main(["diagnose", *words]) == 0
+    output = capsys.readouterr()
+    found = json.loads(output.out)
+    assert found["verdict"] == "no_discrepancy"
+    assert found["causes"] == []
+    if found["next_experiment"] is None:
+        assert "next.yaml is not written" in output.err
+    assert Path("next.yaml").exists() == (found["next_experiment"] is not None)
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["--budget", "2"], "--bench"),
+        (["--runs-folder", "x"], "--bench"),
+        (["--bench", "simulated", "--budget", "0"], "at least 1"),
+        (["--next", "absent/next.yaml"], "another file for --next"),
+        (["--report", "absent/report.html"], "--report"),
+        (["--json", "absent/found.json"], "--json"),
+    ],
+)
+def test_bad_input_is_one_line_and_status_2(
+    model_file: Path,
+    late: Judged,
+    words: list[str],
+    says: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(diagnose_command, "judge", lambda records, model: late)
+    run = late.records[0].name
+    assert main(["diagnose", run, "--model", str(model_file), *words]) == 2
+    said = capsys.readouterr().err
+    assert says in said
+    assert said.strip().count("\n") == 0
