@@ -20,7 +20,7 @@ import yaml
 
 from usmbench.cli.simulated_bench import start_testbed
 
-# The image acts up to 30 µs before or after the emulated board: its main loop has other things to do.
+# The image acts up to 30 µs before or after the emulated board: its main loop does other things.
 SPEED_TOLERANCE_RAD_S = 0.002
 SWEEP_TIMEOUT_S = 900.0
 EXACT = ("phase_deg", "frequency_hz", "torque_nm", "direction", "n_windows")
