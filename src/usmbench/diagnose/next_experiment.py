@@ -65,10 +65,10 @@ class Question:
     def says(self) -> str:
         """The question in words."""
         names = [
-            "none of it" if rival is None else rival.effect.name.replace("_", " ")
+            "nothing of the kind" if rival is None else rival.effect.name.replace("_", " ")
             for rival in self.rivals
         ]
-        return f"{', '.join(names[:-1])} or {names[-1]}"
+        return f"{', '.join(names[:-1])} and {names[-1]}"
 
 
 def question_of(diagnosis: Diagnosis) -> Question | None:

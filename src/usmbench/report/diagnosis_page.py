@@ -253,7 +253,7 @@ def _next(diagnosis: Diagnosis) -> str:
     if "odds_before" in proposal:
         before, after = (probability_of(proposal[key]) for key in ("odds_before", "odds_after"))
         odds = (
-            f"<p>Odds of naming the right one: <b>{before}</b> with these runs, "
+            f"<p>Odds of telling them apart: <b>{before}</b> with these runs, "
             f"<b>{after}</b> with that sweep.</p>"
         )
     return (

@@ -65,7 +65,7 @@ def percent(share: float) -> str:
     """
     if not math.isfinite(share):
         return "–"
-    return f"{100.0 * share:.0f} %".replace("-", "−")
+    return f"{100.0 * share:.0f}{_BLANK}%".replace("-", "−")
 
 
 def times(factor: float) -> str:
@@ -183,6 +183,9 @@ def headline(diagnosis: Diagnosis) -> str:
     diagnosis
         The diagnosis.
     """
+    open_sets = [1 + len(cause.alternatives) for cause in diagnosis.causes if cause.alternatives]
+    if diagnosis.verdict == "explained" and open_sets:
+        return f"The cause is one of {open_sets[0]}"
     return HEADLINES[diagnosis.verdict]
 
 
@@ -234,4 +237,6 @@ def probability_of(share: float) -> str:
     share
         The probability.
     """
-    return "more than 99 %" if share > 0.99 else percent(share)
+    if share > 0.99:
+        return f"more than {percent(0.99)}"
+    return f"less than {percent(0.01)}" if share < 0.01 else percent(share)

@@ -88,7 +88,7 @@ def test_what_looks_alike_in_a_triangle_of_one_rate_is_told_apart_by_another_pla
 ) -> None:
     proposal = propose(make_diagnosis(), [triangle], model)
     assert proposal is not None
-    assert "dead zone hysteresis or transport delay" in proposal["says"]
+    assert "dead zone hysteresis and transport delay" in proposal["says"]
     assert proposal["odds_before"] < 0.2
     assert proposal["odds_after"] > 0.99
     assert proposal["plan"]["format"] == "usmbench-plan/1"
@@ -124,7 +124,7 @@ def test_an_effect_too_small_to_name_gets_a_plan_that_shows_it(
     found = make_diagnosis(verdict="no_discrepancy", causes=(), candidates=(hint,))
     proposal = propose(found, [healthy], model)
     assert proposal is not None
-    assert "transport delay or none of it" in proposal["says"]
+    assert "transport delay and nothing of the kind" in proposal["says"]
     assert proposal["odds_after"] > proposal["odds_before"] + 0.05
     faint = replace(found, candidates=(replace(hint, p_value=0.7),))
     assert propose(faint, [healthy], model) is None

@@ -65,12 +65,12 @@ def test_a_quantity_is_named_without_its_unit(name: str, unit: str, text: str) -
 
 
 def test_shares_and_probabilities() -> None:
-    assert percent(0.854) == "85 %"
+    assert percent(0.854) == "85\N{NO-BREAK SPACE}%"
     assert percent(math.nan) == "–"
     assert probability(1e-9) == "< 0.0001"
     assert probability(0.034) == "0.034"
-    assert probability_of(0.9999) == "more than 99 %"
-    assert probability_of(0.6) == "60 %"
+    odds = [probability_of(p).replace("\N{NO-BREAK SPACE}", " ") for p in (0.9999, 0.6, 1e-9)]
+    assert odds == ["more than 99 %", "60 %", "less than 1 %"]
     assert sized(0.05, "1") == "5\N{NO-BREAK SPACE}%"
 
 
