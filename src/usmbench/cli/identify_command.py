@@ -13,6 +13,7 @@ from usmbench.identify.paper import PaperOptions, identify_paper
 from usmbench.identify.result import Identification
 from usmbench.model.model_file import write_model
 from usmbench.report.identification_table import identification_table
+from usmbench.report.search_trace import write_trace
 from usmbench.runs.reader import read_run
 from usmbench.runs.record import Record
 
@@ -32,6 +33,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--knots", metavar="a,b,…", help="knots in degrees, rising")
     parser.add_argument("--na", type=int, default=1, help="past speeds in the dynamics")
     parser.add_argument("--nb", type=int, help="past inputs in the dynamics")
+    parser.add_argument("--seed", type=int, help="paper: seed of the random start [0]")
+    parser.add_argument(
+        "--trace", type=Path, metavar="FILE.csv", help="paper: SSE, μ and λ of every iteration"
+    )
     parser.add_argument("--json", metavar="FILE", help="figures as JSON; - is standard output")
 
 
@@ -68,6 +73,10 @@ def _check(args: argparse.Namespace) -> None:
         value = getattr(args, name)
         if value is not None and value < lowest:
             raise InputError(f"--{name} {value} is too low; give {lowest} or more")
+    if args.method != "paper" and (args.seed is not None or args.trace is not None):
+        raise InputError("--seed and --trace belong to --method paper; the default draws nothing")
+    if args.seed is not None and args.seed < 0:
+        raise InputError(f"--seed {args.seed} is negative; give 0 or more")
     if args.degree is not None and args.knots is not None:
         raise InputError("--degree and --knots say the same twice; give one of them")
 
@@ -76,8 +85,12 @@ def _identify(args: argparse.Namespace, records: Sequence[Record]) -> Identifica
     """Identify by the method asked for."""
     knots_deg = _knots(args.knots)
     if args.method == "paper":
-        nb = 0 if args.nb is None else args.nb
-        return identify_paper(records, PaperOptions(args.degree, knots_deg, args.na, nb)).found
+        nb, seed = args.nb or 0, args.seed or 0
+        options = PaperOptions(args.degree, knots_deg, args.na, nb, seed)
+        by_paper = identify_paper(records, options)
+        if args.trace is not None:
+            write_trace(args.trace, by_paper.result.trace)
+        return by_paper.found
     return identify_fast(records, FastOptions(args.degree, knots_deg, args.na, args.nb))
 
 

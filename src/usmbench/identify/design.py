@@ -77,8 +77,9 @@ def check_rows(data: Dataset, degree: int, na: int, nb: int, *, point: int) -> N
         Too few, with the numbers.
     """
     wanted = degree + 1 + na + nb
-    n = data.rows(point)
-    if n < wanted:
+    n, past = data.rows(point), max(na, nb)
+    whole = sum(max(s.n - past, 0) for s in data.segments if s.point == point)
+    if n < wanted or whole == 0:
         rows = "settled pairs" if data.window_s is None else "rows"
         raise InputError(
             f"{data.name}: {n} {rows}{describe(data.points[point])} cannot carry "

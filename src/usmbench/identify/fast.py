@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.identify.curve_rows import CurveRows, curve_rows
-from usmbench.identify.data import Dataset
+from usmbench.identify.data import Dataset, describe
 from usmbench.identify.design import build_design, check_rows
 from usmbench.identify.dynamics import Dynamics, Family, FreeFamily, LagFamily
 from usmbench.identify.gather import from_windows
@@ -99,7 +99,21 @@ def identify_fast(records: Sequence[Record], options: FastOptions) -> Identifica
         colour=spread.noise_coefficients,
         tests=residual_tests(search.problem, spread.noise_coefficients),
     )
-    return replace(found, fit_s=time.perf_counter() - started_s)
+    warnings = (*found.warnings, *_few_phases(part, knots_deg))
+    return replace(found, warnings=warnings, fit_s=time.perf_counter() - started_s)
+
+
+def _few_phases(data: Dataset, knots_deg: Sequence[Array]) -> list[str]:
+    """Warn of curves that fewer phases hold than they have ordinates."""
+    warnings = []
+    for point, knots in enumerate(knots_deg):
+        phases = np.unique(data.phase_deg(point)).size
+        if phases < knots.size:
+            warnings.append(
+                f"{data.name}: {phases} different phases{describe(data.points[point])} for "
+                f"{knots.size} ordinates; between them the curve is smoothed, not measured"
+            )
+    return warnings
 
 
 def _shape(

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.errors import InputError
-from usmbench.identify.data import Dataset
+from usmbench.identify.data import Dataset, describe
 from usmbench.identify.design import check_rows
 from usmbench.identify.gather import from_pairs
 from usmbench.identify.knots import place_knots
@@ -99,6 +99,7 @@ def identify_paper(records: Sequence[Record], options: PaperOptions) -> PaperIde
     knots_deg = [_knots(span_deg, options) for span_deg in data.spans_deg]
     for k, knots in enumerate(knots_deg):
         check_rows(data, knots.size - 1, options.na, options.nb, point=k)
+        _check_phases(data, knots.size - 1, k)
     blocks, map_iterations = _blocks(data, knots_deg, options, rng)
     a = _denominator(blocks, options)
     lagged = [Lagged(b.basis, b.speed_rad_s - b.past_rad_s @ a) for b in blocks]
@@ -163,6 +164,16 @@ def _denominator(blocks: Sequence[_Block], options: PaperOptions) -> Array:
             "use --method fast, or --na 0"
         )
     return a
+
+
+def _check_phases(data: Dataset, degree: int, point: int) -> None:
+    """Refuse fewer phases than ordinates: from a random start the curve between them is random."""
+    phases = np.unique(data.phase_deg(point)).size
+    if phases < degree + 1:
+        raise InputError(
+            f"{data.name}: {phases} different phases{describe(data.points[point])} cannot carry "
+            f"a curve of degree {degree}; lower --degree or measure more phases"
+        )
 
 
 def _knots(span_deg: tuple[float, float], options: PaperOptions) -> Array:

@@ -34,7 +34,7 @@ def inverse_de_casteljau(
         γ of eq. (12).
     tolerance_deg
         ε: the iteration of a sample stops once ``|φ − φ̂(x)|`` is within it. The paper tests
-        φ̃, which belongs to the next x, and returns this one; see docs/decisions.
+        φ̃, which belongs to the next x, and returns this one.
 
     Returns
     -------

@@ -1,6 +1,7 @@
 """The paper's Levenberg-Marquardt search for b and δ, eq. (21) to (34), with its slips mended.
 
-Every departure from the printed equations is listed in docs/decisions with its reason.
+Every departure from the printed equations is listed in docs/explanations/identification.md
+with its reason.
 """
 
 from collections.abc import Sequence

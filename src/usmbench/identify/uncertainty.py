@@ -27,6 +27,7 @@ _BAND_POINTS = 91
 _EDGE_GRID = 1001
 _DRAWS = 300
 _NUDGE = 1e-5
+_LONGEST = 1e4  # windows: what the data say of a time constant ends there
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,7 +165,8 @@ def dynamics_intervals(
     na = fit.dynamics.a.size
     low, high = centre - reach, centre + reach
     pairs = np.column_stack([low, high]).tolist()
-    tau = np.exp(pairs[-2]).tolist()
+    longest = np.log(_LONGEST * (window_s or 1.0))
+    tau = np.exp(np.minimum(pairs[-2], longest)).tolist()
     return {
         "a": pairs[:na],
         "b": pairs[na:-2],

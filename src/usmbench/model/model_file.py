@@ -13,6 +13,9 @@ from usmbench.model.hammerstein import (
     OperatingPoint,
     StaticCurve,
 )
+from usmbench.model.inverse_map import check_knots
+from usmbench.settings.schema import check
+from usmbench.settings.yaml_source import Source, read_source
 
 FORMAT = "usmbench-model"
 VERSION = 1
@@ -58,25 +61,12 @@ def read_model(path: Path) -> HammersteinModel:
     InputError
         The file is missing, no model, of a newer version, or lacks or distorts a value.
     """
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(
-            f"cannot be read ({error.strerror}); give a model that `usmbench identify` wrote",
-            file=path,
-        ) from error
-    except UnicodeDecodeError as error:
-        raise InputError("is not text; give a model file", file=path) from error
-    except yaml.MarkedYAMLError as error:
-        line = None if error.problem_mark is None else error.problem_mark.line + 1
-        raise InputError(f"is not YAML: {error.problem}", file=path, line=line) from error
-    _check_format(content, path)
-    try:
-        return from_mapping(content)
-    except KeyError as error:
-        raise InputError(f"has no {error.args[0]}; identify the model again", file=path) from error
-    except (TypeError, ValueError, AttributeError, InputError) as error:
-        raise InputError(f"holds a wrong value: {error}", file=path) from error
+    source = read_source(path)
+    _check_format(source.document, path)
+    check(source, "model")
+    for index, point in enumerate(source.document["points"]):
+        _check_curve(source, index, point)
+    return from_mapping(source.document)
 
 
 def to_mapping(model: HammersteinModel) -> dict[str, Any]:
@@ -112,24 +102,15 @@ def from_mapping(content: dict[str, Any]) -> HammersteinModel:
     Parameters
     ----------
     content
-        The mapping, as `to_mapping` returns it; unknown keys are ignored.
-
-    Raises
-    ------
-    KeyError
-        A key is missing.
-    ValueError
-        A value cannot be one.
+        The mapping, as `to_mapping` returns it and the schema has it; unknown keys are ignored.
     """
     linear = content["linear"]
     window_s = linear["window_s"]
     points = tuple(_point_from_mapping(point) for point in content["points"])
-    if not points:
-        raise ValueError("points is empty")
     return HammersteinModel(
         linear=LinearPart(
-            a=_vector(linear["a"], "a"),
-            b=_vector(linear["b"], "b"),
+            a=np.array(linear["a"], dtype=np.float64),
+            b=np.array(linear["b"], dtype=np.float64),
             dead_time_windows=int(linear["dead_time_windows"]),
             window_s=None if window_s is None else float(window_s),
         ),
@@ -159,6 +140,20 @@ def _check_format(content: object, path: Path) -> None:
         )
 
 
+def _check_curve(source: Source, index: int, point: dict[str, Any]) -> None:
+    """Refuse knots that do not rise, and ordinates that do not belong to them."""
+    knots, delta = point["knots_deg"], point["delta_rad_s"]
+    if len(knots) != len(delta):
+        raise source.error(
+            ("points", index, "delta_rad_s"),
+            f"has {len(delta)} ordinates for {len(knots)} knots; identify the model again",
+        )
+    try:
+        check_knots(np.array(knots, dtype=np.float64))
+    except InputError as error:
+        raise source.error(("points", index, "knots_deg"), str(error)) from error
+
+
 def _point_to_mapping(point: OperatingPoint) -> dict[str, Any]:
     return {
         "frequency_hz": point.frequency_hz,
@@ -178,8 +173,8 @@ def _point_from_mapping(content: dict[str, Any]) -> OperatingPoint:
         frequency_hz=_optional(content["frequency_hz"]),
         torque_nm=_optional(content["torque_nm"]),
         curve=StaticCurve(
-            _vector(content["knots_deg"], "knots_deg"),
-            _vector(content["delta_rad_s"], "delta_rad_s"),
+            np.array(content["knots_deg"], dtype=np.float64),
+            np.array(content["delta_rad_s"], dtype=np.float64),
         ),
         phase_range_deg=(low_deg, high_deg),
         dead_zone_deg=(_optional(edges[0]), _optional(edges[1])),
@@ -189,13 +184,6 @@ def _point_from_mapping(content: dict[str, Any]) -> OperatingPoint:
 
 def _optional(value: Any) -> float | None:
     return None if value is None else float(value)
-
-
-def _vector(values: Any, name: str) -> np.ndarray[Any, np.dtype[np.float64]]:
-    vector = np.array(values, dtype=np.float64)
-    if vector.ndim != 1 or not np.all(np.isfinite(vector)):
-        raise ValueError(f"{name} must be a list of finite numbers")
-    return vector
 
 
 class _Dumper(yaml.SafeDumper):

@@ -92,6 +92,20 @@ def test_degree_knots_and_orders_are_kept(run_csv: Run, tmp_path: Path) -> None:
     assert json.loads(figures.read_text())["knots_deg"] == [-90, -20, -10, 0, 10, 20, 90]
 
 
+def test_the_papers_search_leaves_its_trace(run_csv: Run, tmp_path: Path) -> None:
+    trace = tmp_path / "trace.csv"
+    words = ["identify", str(run_csv()), "--out", str(tmp_path / "m.yaml"), "--method", "paper"]
+    assert main([*words, "--seed", "3", "--trace", str(trace)]) == 0
+    header, *rows = trace.read_text().splitlines()
+    assert header == "iteration,sse,mu,lambda,accepted"
+    first = trace.read_text()
+    sse = [float(row.split(",")[1]) for row in rows if row.endswith(",1")]
+    assert len(sse) > 5
+    assert sse == sorted(sse, reverse=True)
+    assert main([*words, "--seed", "3", "--trace", str(trace)]) == 0
+    assert trace.read_text() == first
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -102,6 +116,9 @@ def test_degree_knots_and_orders_are_kept(run_csv: Run, tmp_path: Path) -> None:
         (["--na", "-1"], "--na -1 is too low"),
         (["--degree", "3", "--knots", "-90,0,90"], "give one of them"),
         (["--method", "slow"], "invalid choice"),
+        (["--trace", "t.csv"], "belong to --method paper"),
+        (["--method", "paper", "--seed", "-1"], "--seed -1 is negative"),
+        (["--method", "paper", "--trace", "none/t.csv"], "cannot be written"),
         (["--json", "none/x.json"], "cannot be written"),
     ],
 )
