@@ -106,7 +106,7 @@ class LivePanel:
             while not self._ended.wait(REDRAW_S):
                 self._draw()
             self._draw()
-            if self._lines_drawn:
+            if self._latest is not None:
                 self._write("\n")
 
     def _draw(self) -> None:
