@@ -11,6 +11,7 @@ direction the same, with the sign of the last move: what depends on where φ cam
 time      the speed, times a hat over time: the motor warms in every run
 heat      the speed, times the power it has taken so far: and warms by how it is driven
 lag k     the step, k windows after it, times hats over the speeds it leads from and to
+edge      what a wider dead zone changes, times a hat over time: it widens as the motor warms
 angle     the speed, times a wave once and twice a revolution
 ========= ==========================================================================
 """
@@ -24,20 +25,23 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.noise import LAGS
 from usmbench.diagnose.stretches import Stretch
+from usmbench.model.linear import from_rest
 
 Array = NDArray[np.float64]
 
-_PHASE_NODES, _TIME_NODES = 25, 8
+_PHASE_NODES, _TIME_NODES, _EDGE_NODES = 37, 8, 4
+_TABLE = 2001
 _CELLS = (7, 5, 3, 2, 2, 2)  # nodes along each speed at each lag
 _REACH = 0.25  # share of the known time by which a line in time is carried on
-GROUPS = ("phase", "direction", "time", "heat", *(f"lag {k}" for k in range(LAGS)), "angle")
+GROUPS = ("phase", "direction", "time", "heat", "edge", *(f"lag {k}" for k in range(LAGS)), "angle")
 # Largest plausible share of each shape in a model that is right: standard deviations, as shares
 # of the highest speed (phase, direction), of the speed, or of the step.
 PRIOR = {
     "phase": 3e-3,
-    "direction": 3e-3,
+    "direction": 1e-3,
     "time": 5e-3,
-    "heat": 5e-3,
+    "heat": 2e-2,
+    "edge": 0.2,
     **dict.fromkeys((f"lag {k}" for k in range(LAGS)), 0.05),
     "angle": 2e-3,
 }
@@ -49,23 +53,30 @@ class Features:
 
     Parameters
     ----------
-    low_deg, high_deg
-        Phases that the model was identified on.
+    nodes_deg
+        Phases at which the curve's error is kept, rising: denser where the speed changes much.
     top_rad_s
         Highest speed of the model.
     end_s
         Time up to which the runs reached that the model was identified on.
     """
 
-    low_deg: float
-    high_deg: float
+    nodes_deg: tuple[float, ...]
     top_rad_s: float
     end_s: float
 
     @property
     def groups(self) -> list[str]:
         """Group of every column, in the order of `columns`."""
-        counts = [_PHASE_NODES, _PHASE_NODES, _TIME_NODES, 1, *(n * n for n in _CELLS), 4]
+        counts = [
+            _PHASE_NODES,
+            _PHASE_NODES,
+            _TIME_NODES - 1,
+            2,
+            _EDGE_NODES - 1,
+            *(n * n for n in _CELLS),
+            4,
+        ]
         return [g for g, n in zip(GROUPS, counts, strict=True) for _ in range(n)]
 
     @property
@@ -83,15 +94,15 @@ class Features:
             The stretch.
         """
         speed = stretch.simulated_rad_s
-        phase_deg = np.clip(stretch.context.phase_deg, self.low_deg, self.high_deg)
-        over_phase = list(hats(phase_deg, np.linspace(self.low_deg, self.high_deg, _PHASE_NODES)))
+        over_phase = list(hats(stretch.context.phase_deg, np.array(self.nodes_deg)))
         yield from over_phase
         yield from (column * stretch.direction for column in over_phase)
-        t_s = np.minimum(stretch.context.t_s, (1.0 + _REACH) * self.end_s)
-        for column in hats(t_s, np.linspace(0.0, self.end_s, _TIME_NODES)):
-            yield column * speed
-        power = (speed / self.top_rad_s) ** 2 - 0.5
-        yield speed * np.cumsum(power) * stretch.context.window_s / self.end_s
+        yield from (column * speed for column in self._over_time(stretch, _TIME_NODES))
+        size = np.abs(speed) / self.top_rad_s
+        for power in (size - 0.5, size**2 - size):
+            yield speed * np.cumsum(power) * stretch.context.window_s / self.end_s
+        wider = widening(stretch)
+        yield from (column * wider for column in self._over_time(stretch, _EDGE_NODES))
         yield from self._after_steps(stretch)
         angle_rad = stretch.context.angle_rad
         for harmonic in (1, 2):
@@ -101,6 +112,17 @@ class Features:
                     if angle_rad is None
                     else speed * wave(harmonic * angle_rad)
                 )
+
+    def _over_time(self, stretch: Stretch, n_nodes: int) -> Iterator[Array]:
+        """Yield hats over time but the first: what is there from the start belongs to the phases.
+
+        Beyond the known time the last line goes on for a while.
+        """
+        t = stretch.context.t_s / self.end_s
+        beyond = np.clip(t - 1.0, 0.0, _REACH) * (n_nodes - 1)
+        for k, column in enumerate(hats(t, np.linspace(0.0, 1.0, n_nodes))):
+            if k > 0:
+                yield column + {n_nodes - 2: -1.0, n_nodes - 1: 1.0}.get(k, 0.0) * beyond
 
     def _after_steps(self, stretch: Stretch) -> Iterator[Array]:
         """Yield the steps by the speeds that they lead from and to."""
@@ -132,8 +154,7 @@ class Features:
     def to_mapping(self) -> dict[str, Any]:
         """Return what the model file keeps."""
         return {
-            "low_deg": self.low_deg,
-            "high_deg": self.high_deg,
+            "nodes_deg": list(self.nodes_deg),
             "top_rad_s": self.top_rad_s,
             "end_s": self.end_s,
         }
@@ -148,26 +169,66 @@ def features_of(stretches: Sequence[Stretch]) -> Features:
         The runs.
     """
     phase_deg = [s.context.phase_deg for s in stretches]
+    table_deg = np.linspace(
+        min(p.min() for p in phase_deg), max(p.max() for p in phase_deg), _TABLE
+    )
+    # One row's operating point stands for all: the nodes need not be at their best.
+    first = stretches[0].context
+    speeds = np.concatenate(
+        [
+            first.settled_rad_s(np.resize(part, first.n))[: part.size]
+            for part in np.array_split(table_deg, -(-_TABLE // first.n))
+        ]
+    )
     return Features(
-        min(float(p.min()) for p in phase_deg),
-        max(float(p.max()) for p in phase_deg),
+        phase_nodes(table_deg, speeds),
         max(max(float(np.max(np.abs(s.settled_rad_s))) for s in stretches), 1e-9),
         max(float(s.context.t_s[-1]) for s in stretches),
     )
 
 
+def phase_nodes(phase_deg: Array, speed_rad_s: Array) -> tuple[float, ...]:
+    """Return nodes that share out both the phases and the changes of speed.
+
+    Parameters
+    ----------
+    phase_deg
+        Phases, evenly spaced and rising, shape (N,).
+    speed_rad_s
+        Settled speeds there, shape (N,).
+    """
+    path = np.cumsum(np.abs(np.diff(speed_rad_s, prepend=speed_rad_s[:1])))
+    along = np.linspace(0.0, 1.0, phase_deg.size) + path / max(float(path[-1]), 1e-12)
+    nodes = np.interp(np.linspace(0.0, along[-1], _PHASE_NODES), along, phase_deg)
+    return tuple(float(f"{node:.6g}") for node in nodes)
+
+
 def hats(values: Array, nodes: Array) -> Iterator[Array]:
-    """Yield the hat function of each node; beyond the last two nodes their line goes on.
+    """Yield the hat function of each node, held beyond the last ones.
 
     Parameters
     ----------
     values
         Where, shape (N,).
     nodes
-        Evenly spaced, rising.
+        Rising.
     """
-    place = (values - nodes[0]) / (nodes[1] - nodes[0])
-    left = np.clip(np.floor(place), 0, nodes.size - 2)
-    share = np.maximum(place - left, 0.0)
+    left = np.clip(np.searchsorted(nodes, values, side="right") - 1, 0, nodes.size - 2)
+    share = np.clip((values - nodes[left]) / (nodes[left + 1] - nodes[left]), 0.0, 1.0)
     for k in range(nodes.size):
         yield np.where(left == k, 1.0 - share, 0.0) + np.where(left == k - 1, share, 0.0)
+
+
+def widening(stretch: Stretch) -> Array:
+    """Return the change of speed for each degree by which the dead zone widens on both sides.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    context = stretch.context
+    way = np.sign(context.phase_deg)
+    moved = context.settled_rad_s(context.phase_deg - way)
+    linear = context.linear
+    return from_rest(linear.b, linear.a, linear.dead_time_windows, moved - stretch.settled_rad_s)

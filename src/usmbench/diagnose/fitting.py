@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +15,9 @@ from usmbench.model.extended import Applied
 
 Array = NDArray[np.float64]
 
-_ZOOM_ROUNDS = 3
-_ZOOM_POINTS = 9
-_STEPS = 12
+_ZOOM_ROUNDS = 2
+_ZOOM_POINTS = 7
+_STEPS = 10
 _TOLERANCE = 1e-3
 _STEP_SHARE = 0.05  # of the typical size, for derivatives
 _EDGE_95 = 3.84  # 95 % of chi-squared with one degree of freedom
@@ -83,8 +84,31 @@ def fit_effect(problem: Problem, effect: Effect, given: Sequence[Applied] = ()) 
         values, drop = search.sized_best({}, sized) if sized else search.whole({})
         roughness = 0.0
     else:
-        values, drop, roughness = search.scan(scanned[0], sized)
+        values, drop, roughness = search.scan(scanned, sized)
     return Fit((*given, Applied(effect, values)), drop, roughness)
+
+
+def sharpen(problem: Problem, fit: Fit, given: Sequence[Applied] = ()) -> Fit:
+    """Try ever finer values of what was scanned, around those of the grid.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    fit
+        What `fit_effect` found.
+    given
+        Effects that act already, as they were given to `fit_effect`.
+    """
+    last = fit.effects[-1]
+    scanned = [p for p in last.effect.parameters if p.scanned]
+    sized = [p for p in last.effect.parameters if not p.scanned]
+    search = _Search(problem, last.effect, tuple(given))
+    grids = last.effect.grid([s.context for s in problem.stretches]) if scanned else {}
+    best = (dict(last.values), fit.statistic)
+    for p in scanned:
+        best = search.zoomed(best, p, np.clip(grids[p.name], p.low, p.high), scanned, sized)
+    return Fit((*given, Applied(last.effect, best[0])), best[1], fit.roughness)
 
 
 def refine(problem: Problem, fit: Fit, base: float | None = None) -> Fit:
@@ -200,9 +224,8 @@ class _Search:
         return values, drop
 
     def _at(
-        self, parameter: Parameter, value: float, sized: Sequence[Parameter]
+        self, shape: dict[str, float], sized: Sequence[Parameter]
     ) -> tuple[dict[str, float], float, Array]:
-        shape = {parameter.name: float(np.clip(value, parameter.low, parameter.high))}
         if sized:
             values, drop = self.sized_best(shape, sized)
             return values, drop, self._unit
@@ -210,32 +233,47 @@ class _Search:
         return shape, float(2.0 * column @ self._left - column @ column), column
 
     def scan(
-        self, parameter: Parameter, sized: Sequence[Parameter]
+        self, scanned: Sequence[Parameter], sized: Sequence[Parameter]
     ) -> tuple[dict[str, float], float, float]:
         """Try a grid of shapes, then ever finer ones around the best."""
-        grid = self._effect.grid([s.context for s in self._problem.stretches])[parameter.name]
-        tried = []
+        grids = self._effect.grid([s.context for s in self._problem.stretches])
+        axes = [np.clip(grids[p.name], p.low, p.high) for p in scanned]
+        best: tuple[dict[str, float], float] | None = None
         turned, before = 0.0, None
-        for value in grid:
-            values, drop, column = self._at(parameter, float(value), sized)
-            tried.append((drop, float(value), values))
+        for point in product(*axes):
+            shape = {p.name: float(x) for p, x in zip(scanned, point, strict=True)}
+            values, drop, column = self._at(shape, sized)
+            if best is None or drop > best[1]:
+                best = (values, drop)
             size = float(np.linalg.norm(column))
             if size > 1e-9:
                 unit = column / size
                 if before is not None:
                     turned += math.acos(float(np.clip(abs(unit @ before), 0.0, 1.0)))
                 before = unit
-        best = max(tried, key=lambda t: t[0])
-        near = np.asarray(grid)
+        if best is None:
+            raise ValueError(f"{self._effect.name}: the grid of its scanned parameters is empty")
+        return *best, turned
+
+    def zoomed(
+        self,
+        best: tuple[dict[str, float], float],
+        parameter: Parameter,
+        axis: Array,
+        scanned: Sequence[Parameter],
+        sized: Sequence[Parameter],
+    ) -> tuple[dict[str, float], float]:
+        """Try ever finer values of one scanned parameter, the others held."""
+        near = axis
         for _ in range(_ZOOM_ROUNDS):
-            k = int(np.argmin(np.abs(near - best[1])))
-            low, high = near[max(k - 1, 0)], near[min(k + 1, near.size - 1)]
-            near = np.linspace(low, high, _ZOOM_POINTS)
+            k = int(np.argmin(np.abs(near - best[0][parameter.name])))
+            near = np.linspace(near[max(k - 1, 0)], near[min(k + 1, near.size - 1)], _ZOOM_POINTS)
             for value in near:
-                values, drop, _ = self._at(parameter, float(value), sized)
-                if drop > best[0]:
-                    best = (drop, float(value), values)
-        return best[2], best[0], turned
+                shape = {p.name: best[0][p.name] for p in scanned} | {parameter.name: float(value)}
+                values, drop, _ = self._at(shape, sized)
+                if drop > best[1]:
+                    best = (values, drop)
+        return best
 
 
 class _Joint:

@@ -51,7 +51,9 @@ def held_out_residual(problem: Problem, fit: Fit, gap: int) -> list[Array]:
     gap
         Windows left out of the fit beside the blocks that are held out.
     """
-    held = [np.array(r) for r in problem.residual_rad_s]
+    held = [s.residual_rad_s for s in problem.stretches]
+    if not fit.effects:
+        return held
     blocks = _blocks(problem)
     for fold in range(_FOLDS):
         masks = [
@@ -61,7 +63,7 @@ def held_out_residual(problem: Problem, fit: Fit, gap: int) -> list[Array]:
         refit = refine(problem.with_masks(masks), fit)
         for k, change in enumerate(problem.change_rad_s(refit.effects)):
             rows = blocks[k] % _FOLDS == fold
-            held[k][rows] = (problem.residual_rad_s[k] - change)[rows]
+            held[k][rows] -= change[rows]
     return held
 
 

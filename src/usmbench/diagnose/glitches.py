@@ -5,17 +5,19 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
+from scipy.stats import chi2, poisson
 
+from usmbench.diagnose.naming import SIGNIFICANT
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.result import Estimate, NamedCause
-from usmbench.diagnose.stretches import Mask
+from usmbench.diagnose.spikes import PLAIN, spiked, steady
 from usmbench.model.effects.registry import library
 from usmbench.model.extended import Applied
 
 Array = NDArray[np.float64]
 
 _FEWEST = 4
+_AS_USUAL = 2.0  # times the rate of the identified runs: their plans differ
 _MOST_SHARE = 0.1  # more than every tenth window is no isolated event
 
 
@@ -35,26 +37,28 @@ class Glitches:
     named: NamedCause
 
 
-def find_glitches(problem: Problem, far: Sequence[Mask], left: Sequence[Array]) -> Glitches | None:
+def find_glitches(problem: Problem, left: Sequence[Array]) -> Glitches | None:
     """Name false counts where enough windows stand alone.
 
     Parameters
     ----------
     problem
         The problem.
-    far
-        Windows that stand alone.
     left
         Residual of each stretch without the other causes.
     """
     effects = [effect for effect in library() if effect.sporadic]
-    uses = [s.use for s in problem.stretches]
+    far = spiked(problem.stretches, left, problem.noise, near_steps=True, times=PLAIN)
+    uses = [steady(s) for s in problem.stretches]
     hit = np.concatenate([f[u] for f, u in zip(far, uses, strict=True)])
     count = int(np.count_nonzero(hit))
-    if not effects or count < _FEWEST or count > _MOST_SHARE * hit.size:
+    run_s = hit.size * problem.stretches[0].context.window_s
+    usual = _AS_USUAL * problem.known.spikes_hz * run_s
+    p_value = float(poisson.sf(count - 1, usual)) if usual > 0.0 else 0.0
+    few = count < max(_FEWEST, usual) or p_value > SIGNIFICANT
+    if not effects or few or count > _MOST_SHARE * hit.size:
         return None
     size = np.abs(np.concatenate([r[u] for r, u in zip(left, uses, strict=True)])[hit])
-    run_s = hit.size * problem.stretches[0].context.window_s
     # Exact Poisson interval (Garwood 1936) for the rate, the spread of the sizes for the size.
     low, high = 0.5 * chi2.ppf(0.025, 2 * count), 0.5 * chi2.ppf(0.975, 2 * count + 2)
     middle = float(np.median(size))
@@ -74,7 +78,7 @@ def find_glitches(problem: Problem, far: Sequence[Mask], left: Sequence[Array]) 
         effect.mend,
         (),
         estimates,
-        1e-9**count if count < 30 else 0.0,
+        p_value,
         energy / max(rest, 1e-12),
     )
     return Glitches(Applied(effect, values), named)

@@ -1,29 +1,30 @@
-"""What is known of a model before a run is judged: its noise, its uncertainty, its known misfit.
+"""What is known of a model before a run is judged: its noise, its known misfit, its repeatability.
 
 `usmbench identify` measures it on the runs that the model was fitted on and the model file carries
 it under ``residual: diagnosis``; for a model without it, cautious values stand in its place.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.noise import LAGS, Noise, estimate_noise, noise_from_mapping
+from usmbench.diagnose.features import Features, phase_nodes, widening
+from usmbench.diagnose.noise import Noise, noise_from_mapping
 from usmbench.diagnose.stretches import Stretch
 from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel
-from usmbench.model.linear import from_rest
 
 Array = NDArray[np.float64]
 
 KEY = "diagnosis"
-_NODES = 25
-_LEAST_GAIN = 1e-3  # repeatability that one run cannot show and no bench beats
-_LEAST_DEAD_ZONE_DEG = 0.03
-_LEAST_LAG = 0.01
+LEAST_GAIN = 1e-3  # repeatability that one run cannot show
+LEAST_DEAD_ZONE_DEG = 0.03
+_CAUTIOUS_CURVE = 0.2  # of the model's noise, at each node
+_CAUTIOUS_LAG = 0.02
+_TABLE = 2001
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,68 +35,67 @@ class Knowledge:
     ----------
     noise
         The noise; None where the model says nothing and the run itself must tell.
-    nodes_deg
-        Phases at which the known misfit is kept, rising, shape (K,).
-    rising_rad_s, falling_rad_s
-        Known mean residual there, after φ rose and after it fell, shape (K,).
-    curve_rad_s
-        Standard deviation of the curve's error at a node.
-    lag
-        Standard deviation of the mean residual after a step, as a share of the step, shape (LAGS,).
+    features
+        Shapes that the model may leave.
+    mean, deviation
+        How much of each it leaves, and how far a run may be from that, shape (K,).
     gain
         Standard deviation of the gain from run to run, as a share.
     dead_zone_deg
         Standard deviation of the dead zone's half width from run to run.
-    habits
-        Effects that the identified runs showed already, as entries of a model's `effects`: of
-        these only more than twice as much is news.
     spikes_hz
         Rate of windows that stand alone in the identified runs.
+    habits
+        What the bench does to every command and the model does not know, such as its own grid of
+        phases: entries of a model's `effects`.
     """
 
     noise: Noise | None
-    nodes_deg: Array
-    rising_rad_s: Array
-    falling_rad_s: Array
-    curve_rad_s: float
-    lag: Array
+    features: Features
+    mean: Array
+    deviation: Array
     gain: float
     dead_zone_deg: float
-    habits: tuple[dict[str, Any], ...] = ()
     spikes_hz: float = 0.0
+    habits: tuple[dict[str, Any], ...] = ()
 
-    def expected_rad_s(self, stretch: Stretch, noise: Noise) -> Array:
+    def expected_rad_s(self, stretch: Stretch) -> Array:
         """Return the mean residual of a stretch that is no news.
 
         Parameters
         ----------
         stretch
             The stretch.
-        noise
-            The noise in force.
         """
-        phase_deg = stretch.context.phase_deg
-        known = np.where(
-            stretch.direction > 0.0,
-            np.interp(phase_deg, self.nodes_deg, self.rising_rad_s),
-            np.interp(phase_deg, self.nodes_deg, self.falling_rad_s),
-        )
-        total: Array = known + (0.0 if self.noise is None else noise.expected_rad_s(stretch))
-        return total
+        return self.features.combined(stretch, self.mean)
+
+    def background(self, stretches: Sequence[Stretch]) -> Iterator[list[Array]]:
+        """Yield what may differ without being news, scaled to one standard deviation.
+
+        Parameters
+        ----------
+        stretches
+            The runs; each column comes as one array a stretch.
+        """
+        columns = [self.features.columns(s) for s in stretches]
+        for parts, deviation in zip(zip(*columns, strict=True), self.deviation, strict=True):
+            if deviation > 0.0:
+                yield [deviation * part for part in parts]
+        for run in sorted({s.run for s in stretches}):
+            yield [self.gain * s.simulated_rad_s * (s.run == run) for s in stretches]
+            yield [self.dead_zone_deg * widening(s) * (s.run == run) for s in stretches]
 
     def to_mapping(self) -> dict[str, Any]:
         """Return what the model file keeps."""
         return {
             "noise": None if self.noise is None else self.noise.to_mapping(),
-            "nodes_deg": self.nodes_deg.tolist(),
-            "rising_rad_s": self.rising_rad_s.tolist(),
-            "falling_rad_s": self.falling_rad_s.tolist(),
-            "curve_rad_s": self.curve_rad_s,
-            "lag": self.lag.tolist(),
+            "features": self.features.to_mapping(),
+            "mean": [float(f"{value:.5g}") for value in self.mean],
+            "deviation": [float(f"{value:.3g}") for value in self.deviation],
             "gain": self.gain,
             "dead_zone_deg": self.dead_zone_deg,
-            "habits": list(self.habits),
             "spikes_hz": self.spikes_hz,
+            "habits": list(self.habits),
         }
 
 
@@ -113,114 +113,56 @@ def knowledge_of(model: HammersteinModel) -> Knowledge:
         The model carries something else under this key.
     """
     content = model.residual.get(KEY)
-    low_deg = min(p.phase_range_deg[0] for p in model.points)
-    high_deg = max(p.phase_range_deg[1] for p in model.points)
     if content is None:
-        nodes_deg = np.linspace(low_deg, high_deg, _NODES)
-        zero = np.zeros(_NODES)
-        noise_rad_s = float(np.median([p.noise_rad_s for p in model.points]))
-        return Knowledge(
-            None, nodes_deg, zero, zero, 0.2 * noise_rad_s, np.full(LAGS, 0.02), 1e-3, 0.05
-        )
+        return _cautious(model)
     try:
-        return Knowledge(
+        known = Knowledge(
             noise_from_mapping(content["noise"]),
-            np.array(content["nodes_deg"], dtype=np.float64),
-            np.array(content["rising_rad_s"], dtype=np.float64),
-            np.array(content["falling_rad_s"], dtype=np.float64),
-            float(content["curve_rad_s"]),
-            np.array(content["lag"], dtype=np.float64),
+            _features(content["features"]),
+            np.array(content["mean"], dtype=np.float64),
+            np.array(content["deviation"], dtype=np.float64),
             float(content["gain"]),
             float(content["dead_zone_deg"]),
-            tuple(content["habits"]),
             float(content["spikes_hz"]),
+            tuple(content["habits"]),
         )
-    except (KeyError, TypeError, ValueError) as error:
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise InputError(
             f"the model's residual: {KEY} is damaged ({error}); identify the model again"
         ) from error
+    n_shapes = len(known.features.groups)
+    if known.mean.shape != (n_shapes,) or known.deviation.shape != (n_shapes,):
+        raise InputError(
+            f"the model's residual: {KEY} does not have {n_shapes} shapes; identify the model again"
+        )
+    return known
 
 
-def measure_knowledge(model: HammersteinModel, stretches: Sequence[Stretch]) -> Knowledge:
-    """Measure noise, known misfit and repeatability on the runs that a model was identified on.
-
-    Parameters
-    ----------
-    model
-        The model.
-    stretches
-        Its runs.
-    """
-    residuals = [s.residual_rad_s for s in stretches]
-    masks = [s.use for s in stretches]
-    noise = estimate_noise(stretches, residuals, masks)
-    bare = knowledge_of(replace(model, residual={}))
-    rising, falling, curve_rad_s = _misfit(bare.nodes_deg, stretches, noise)
-    gain, dead_zone_deg = _repeatability(stretches, noise)
-    # When in its window a command acts may differ from plan to plan as it does within one.
-    lag = np.maximum.reduce([np.full(LAGS, _LEAST_LAG), np.abs(noise.lag_mean), noise.lag_spread])
-    return Knowledge(noise, bare.nodes_deg, rising, falling, curve_rad_s, lag, gain, dead_zone_deg)
+def _features(content: dict[str, Any]) -> Features:
+    """Return the shapes that a model file keeps."""
+    nodes_deg = tuple(float(node) for node in content["nodes_deg"])
+    return Features(nodes_deg, float(content["top_rad_s"]), float(content["end_s"]))
 
 
-def _misfit(
-    nodes_deg: Array, stretches: Sequence[Stretch], noise: Noise
-) -> tuple[Array, Array, float]:
-    """Mean residual against phase after rises and falls, shrunk by its own error, and its size."""
-    phase = np.concatenate([s.context.phase_deg for s in stretches])
-    way = np.concatenate([s.direction for s in stretches])
-    error = np.concatenate([s.residual_rad_s - noise.expected_rad_s(s) for s in stretches])
-    level = np.concatenate([noise.level_rad_s(s) for s in stretches])
-    use = np.concatenate([s.use for s in stretches])
-    spread = noise.innovation / max(1.0 - float(noise.ar.sum()), 0.05)
-    means, errors = np.zeros((2, nodes_deg.size)), np.ones((2, nodes_deg.size))
-    nearest = np.abs(phase[:, None] - nodes_deg[None, :]).argmin(axis=1)
-    for half, side in enumerate((1.0, -1.0)):
-        for k in range(nodes_deg.size):
-            rows = use & (nearest == k) & (way == side)
-            if np.count_nonzero(rows) < 5:
-                continue
-            weight = 1.0 / level[rows] ** 2
-            means[half, k] = float(np.sum(weight * error[rows]) / np.sum(weight))
-            errors[half, k] = spread / np.sqrt(float(np.sum(weight)))
-    seen = errors < 1.0
-    if not np.any(seen):
-        return means[0], means[1], float(np.median(level))
-    excess = max(float(np.mean(means[seen] ** 2 - errors[seen] ** 2)), 0.0)
-    shrink = np.where(seen, excess / (excess + errors**2), 0.0)
-    own = float(np.median(errors[seen]))
-    return shrink[0] * means[0], shrink[1] * means[1], float(np.hypot(np.sqrt(excess), own))
-
-
-def _repeatability(stretches: Sequence[Stretch], noise: Noise) -> tuple[float, float]:
-    """Wander of gain and dead zone from run to run, by one estimate of each a run."""
-    runs = sorted({s.run for s in stretches})
-    found = []
-    for run in runs:
-        mine = [s for s in stretches if s.run == run]
-        gain = np.concatenate([s.simulated_rad_s[s.use] for s in mine])
-        edge = np.concatenate([widening(s)[s.use] for s in mine])
-        weight = 1.0 / np.concatenate([noise.level_rad_s(s)[s.use] for s in mine])
-        error = np.concatenate([s.residual_rad_s[s.use] for s in mine])
-        columns = np.column_stack([gain, edge]) * weight[:, None]
-        found.append(np.linalg.lstsq(columns, error * weight, rcond=None)[0])
-    if len(runs) < 2:
-        return _LEAST_GAIN, _LEAST_DEAD_ZONE_DEG
-    # A standard deviation of few values is itself uncertain: err on the side of more wander.
-    inflation = 1.0 + 1.0 / np.sqrt(2.0 * (len(runs) - 1))
-    gain_std, edge_std = np.std(np.array(found), axis=0, ddof=1) * inflation
-    return max(float(gain_std), _LEAST_GAIN), max(float(edge_std), _LEAST_DEAD_ZONE_DEG)
-
-
-def widening(stretch: Stretch) -> Array:
-    """Return the change of speed for each degree by which the dead zone widens on both sides.
-
-    Parameters
-    ----------
-    stretch
-        The stretch.
-    """
-    context = stretch.context
-    way = np.sign(context.phase_deg)
-    moved = context.settled_rad_s(context.phase_deg - way)
-    linear = context.linear
-    return from_rest(linear.b, linear.a, linear.dead_time_windows, moved - stretch.settled_rad_s)
+def _cautious(model: HammersteinModel) -> Knowledge:
+    """Values for a model of which nothing but its noise is known."""
+    noise_rad_s = float(np.median([p.noise_rad_s for p in model.points]))
+    low_deg = min(p.phase_range_deg[0] for p in model.points)
+    high_deg = max(p.phase_range_deg[1] for p in model.points)
+    table_deg = np.linspace(low_deg, high_deg, _TABLE)
+    features = Features(
+        phase_nodes(table_deg, model.points[0].curve.speed_rad_s(table_deg)),
+        max(max(float(np.max(np.abs(p.curve.delta))) for p in model.points), 1e-9),
+        1.0,
+    )
+    lags = {g: _CAUTIOUS_LAG for g in features.groups if g.startswith("lag")}
+    deviation = {"phase": _CAUTIOUS_CURVE * noise_rad_s, **lags}
+    groups = features.groups
+    return Knowledge(
+        None,
+        features,
+        np.zeros(len(groups)),
+        np.array([deviation.get(g, 0.0) for g in groups]),
+        LEAST_GAIN,
+        LEAST_DEAD_ZONE_DEG,
+    )

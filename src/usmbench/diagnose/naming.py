@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 from scipy.stats import chi2
 
-from usmbench.diagnose.fitting import Fit, fit_effect, refine
+from usmbench.diagnose.fitting import Fit, fit_effect, refine, sharpen
 from usmbench.diagnose.problem import Basis, Problem
 from usmbench.model.effects.base import Effect
 
 SIGNIFICANT = 0.01  # family-wise; with the omnibus test beside it, false alarms stay below 5 %
 _REFINED = 8
+_SAME = 0.5
 _TELLING = 9.2  # deviance between two causes that data can tell: 99 % of chi-squared with two
 _SIMILAR = 0.02  # share of the evidence within which the form of an effect decides, not its name
 _SECOND_SHARE = 0.03
@@ -66,7 +67,7 @@ def rank(
     fits = sorted((fit_effect(problem, e, held) for e in effects), key=lambda f: -f.statistic)
     refined = []
     for fit in fits[:_REFINED]:
-        better = refine(problem, fit)
+        better = refine(problem, sharpen(problem, fit, held))
         refined.append(Fit(better.effects, better.statistic - gained, fit.roughness))
     price = math.log(max(problem.n_rows, 2))
     found = []
@@ -103,6 +104,18 @@ def alternatives(ranked: Sequence[Ranked]) -> tuple[str, ...]:
     near = telling_deviance(best.statistic)
     names = [r.effect.name for r in ranked[1:] if best.score - r.score < near]
     return tuple(dict.fromkeys(n for n in names if n != best.effect.name))
+
+
+def same_shape(ranked: Sequence[Ranked]) -> set[str]:
+    """Return the best cause and those that change the simulation just as it does.
+
+    Parameters
+    ----------
+    ranked
+        The candidates, best first.
+    """
+    best = ranked[0]
+    return {r.effect.name for r in ranked if abs(r.statistic - best.statistic) < _SAME}
 
 
 def earns_its_place(second: Ranked, first: Ranked) -> bool:

@@ -1,8 +1,10 @@
-"""The noise of a free-running residual: its size by speed, its colour, and the steps' jitter.
+"""The noise of a free-running residual: its size by phase, its colour, and the steps' jitter.
 
-The residual is taken as ``e_t = m_k s + √(σ(v)² + (κ_k s)²) n_t``, k windows after a step of s in
-the settled speed v, with n an autoregressive process of unit variance. The part in s is the moment
-at which a command takes effect within a window, which no free run can know.
+The residual is taken as ``e_t = √(σ(φ)² + (κ_kc s)²) n_t``, k windows after a step of s in the
+settled speed, with n an autoregressive process of unit variance and c the kind of the step: from
+running to running the same way, into a stop, or out of one (a reversal goes through one). The part
+in s is the moment at which a command takes effect within a window, which no free run can know, and
+at which a stopping rotor sticks.
 """
 
 from collections.abc import Sequence
@@ -17,9 +19,13 @@ from usmbench.diagnose.stretches import Mask, Stretch
 
 Array = NDArray[np.float64]
 
-LAGS = 6
+LAGS, KINDS = 6, 3
 _HIGHEST_ORDER = 6
-_BINS = 8
+_BINS = 16
+_CORNER_DEG = 1.0
+_DISTRUST = 0.3
+_STANDING = 0.02  # of the highest speed
+_TRIMMED = 1.2  # what is left out above 97 % of a normal variable, and a little for heavier tails
 _LEAST_SHARE = 0.3  # of the middle noise level: a standing rotor shows none, yet is not exact
 _NORMAL = 1.4826  # standard deviation over median absolute deviation
 
@@ -30,21 +36,20 @@ class Noise:
 
     Parameters
     ----------
-    speed_rad_s, sigma_rad_s
-        Standard deviation σ at some settled speeds (rising), shape (K,).
+    phase_deg, sigma_rad_s
+        Standard deviation σ at some phases (rising), shape (K,).
     ar
         Coefficients of n_t = Σ ar_i n_{t−i} + innovation, shape (p,).
     innovation
         Standard deviation of the innovation.
-    lag_mean, lag_spread
-        m_k and κ_k, as shares of the step, shape (LAGS,).
+    lag_spread
+        κ_kc as shares of the step, shape (LAGS, KINDS).
     """
 
-    speed_rad_s: Array
+    phase_deg: Array
     sigma_rad_s: Array
     ar: Array
     innovation: float
-    lag_mean: Array
     lag_spread: Array
 
     def level_rad_s(self, stretch: Stretch) -> Array:
@@ -55,32 +60,19 @@ class Noise:
         stretch
             The stretch.
         """
-        sigma = np.interp(stretch.settled_rad_s, self.speed_rad_s, self.sigma_rad_s)
-        spread = np.where(
-            stretch.lag < LAGS, self.lag_spread[np.minimum(stretch.lag, LAGS - 1)], 0.0
-        )
-        level: Array = np.hypot(sigma, spread * stretch.step_rad_s)
+        sigma = np.interp(stretch.context.phase_deg, self.phase_deg, self.sigma_rad_s)
+        table = np.vstack([self.lag_spread, np.zeros(KINDS)])
+        spread = table[np.minimum(stretch.lag, LAGS), step_kind(stretch)]
+        level: Array = np.hypot(np.hypot(sigma, spread * stretch.step_rad_s), bend_rad_s(stretch))
         return level
-
-    def expected_rad_s(self, stretch: Stretch) -> Array:
-        """Return the mean residual that the steps are known to leave.
-
-        Parameters
-        ----------
-        stretch
-            The stretch.
-        """
-        mean = np.where(stretch.lag < LAGS, self.lag_mean[np.minimum(stretch.lag, LAGS - 1)], 0.0)
-        return mean * stretch.step_rad_s
 
     def to_mapping(self) -> dict[str, Any]:
         """Return what the model file keeps."""
         return {
-            "speed_rad_s": self.speed_rad_s.tolist(),
+            "phase_deg": self.phase_deg.tolist(),
             "sigma_rad_s": self.sigma_rad_s.tolist(),
             "ar": self.ar.tolist(),
             "innovation": self.innovation,
-            "lag_mean": self.lag_mean.tolist(),
             "lag_spread": self.lag_spread.tolist(),
         }
 
@@ -98,7 +90,7 @@ def noise_from_mapping(content: dict[str, Any]) -> Noise:
     KeyError
         A key is missing.
     """
-    names = ("speed_rad_s", "sigma_rad_s", "ar", "lag_mean", "lag_spread")
+    names = ("phase_deg", "sigma_rad_s", "ar", "lag_spread")
     arrays = {name: np.array(content[name], dtype=np.float64) for name in names}
     return Noise(innovation=float(content["innovation"]), **arrays)
 
@@ -117,27 +109,60 @@ def estimate_noise(
     masks
         Rows that count.
     """
-    settled = np.concatenate([s.settled_rad_s for s in stretches])
+    phase_deg = np.concatenate([s.context.phase_deg for s in stretches])
     lag = np.concatenate([s.lag for s in stretches])
+    kind = np.concatenate([step_kind(s) for s in stretches])
     step = np.concatenate([s.step_rad_s for s in stretches])
     use = np.concatenate(list(masks))
     error = np.concatenate(list(residuals))
     quiet = use & ((lag >= LAGS) | (np.abs(step) < 1e-9))
     if np.count_nonzero(quiet) < 50:
         quiet = use & (lag >= min(2, int(lag[use].max(initial=0))))
-    centres, sigma = _levels(settled[quiet], error[quiet])
-    mean, spread = _step_shares(lag, step, error, use, float(np.median(sigma)))
-    flat = Noise(centres, sigma, np.empty(0), 1.0, mean, spread)
+    centres, sigma = _levels(phase_deg[quiet], error[quiet])
+    spread = np.zeros((LAGS, KINDS))
+    for k, c in np.ndindex(LAGS, KINDS):
+        rows = use & (lag == k) & (kind == c)
+        spread[k, c] = _step_share(step[rows], error[rows], float(np.median(sigma)))
+    flat = Noise(centres, sigma, np.empty(0), 1.0, spread)
     ar, innovation = _colour(stretches, residuals, masks, flat)
-    return Noise(centres, sigma, ar, innovation, mean, spread)
+    return Noise(centres, sigma, ar, innovation, spread)
 
 
-def _levels(settled: Array, error: Array) -> tuple[Array, Array]:
-    """Robust standard deviation in bins of equal numbers of rows along the settled speed."""
-    n_bins = int(np.clip(settled.size // 60, 1, _BINS))
+def bend_rad_s(stretch: Stretch) -> Array:
+    """Return how little the curve can be trusted where it bends sharply: where the motor starts.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    curve, phase_deg = stretch.context.settled_rad_s, stretch.context.phase_deg
+    around = curve(phase_deg - _CORNER_DEG) + curve(phase_deg + _CORNER_DEG)
+    bend: Array = _DISTRUST * np.abs(around - 2.0 * stretch.settled_rad_s)
+    return bend
+
+
+def step_kind(stretch: Stretch) -> NDArray[np.int64]:
+    """Return the kind of the last step of each row: 0 running on, 1 into a stop, 2 out of one.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    after = stretch.settled_rad_s
+    before = after - stretch.step_rad_s
+    least = _STANDING * float(np.max(np.abs(after), initial=0.0))
+    stopped, stood = np.abs(after) <= least, (np.abs(before) <= least) | (before * after < 0.0)
+    return np.where(stopped, 1, np.where(stood, 2, 0))
+
+
+def _levels(phase_deg: Array, error: Array) -> tuple[Array, Array]:
+    """Robust standard deviation in bins of equal numbers of rows along the phase."""
+    n_bins = int(np.clip(phase_deg.size // 60, 1, _BINS))
     centres, sigma = [], []
-    for rows in np.array_split(np.argsort(settled, kind="stable"), n_bins):
-        centres.append(float(np.mean(settled[rows])))
+    for rows in np.array_split(np.argsort(phase_deg, kind="stable"), n_bins):
+        centres.append(float(np.mean(phase_deg[rows])))
         sigma.append(_spread(error[rows]))
     order = np.argsort(centres)
     levels = np.array(sigma)[order]
@@ -152,24 +177,17 @@ def _spread(values: Array) -> float:
     return max(_NORMAL * float(np.median(size)), float(np.sqrt(np.mean(trimmed**2))))
 
 
-def _step_shares(
-    lag: NDArray[np.int64], step: Array, error: Array, use: Mask, sigma: float
-) -> tuple[Array, Array]:
-    """Mean and spread of the residual over the step, at each lag."""
-    mean, spread = np.zeros(LAGS), np.zeros(LAGS)
-    for k in range(LAGS):
-        rows = use & (lag == k) & (np.abs(step) > 2.0 * sigma)
-        if np.count_nonzero(rows) < 8:
-            continue
-        share = error[rows] / step[rows]
-        weight = np.abs(step[rows])
-        centre = float(np.average(np.clip(share, *np.quantile(share, [0.1, 0.9])), weights=weight))
-        apart = (share - centre) ** 2
-        noise = (sigma / step[rows]) ** 2
-        kept = apart <= np.quantile(apart, 0.95)
-        extra = float(np.average((apart - noise)[kept], weights=weight[kept])) * 1.2
-        mean[k], spread[k] = centre, np.sqrt(max(extra, 0.0))
-    return mean, spread
+def _step_share(step: Array, error: Array, sigma: float) -> float:
+    """Spread of the residual over the step."""
+    rows = np.abs(step) > 2.0 * sigma
+    if np.count_nonzero(rows) < 8:
+        return 0.0
+    weight = np.abs(step[rows])
+    apart = (error[rows] / step[rows]) ** 2
+    noise = (sigma / step[rows]) ** 2
+    kept = apart <= np.quantile(apart, 0.97)
+    extra = float(np.average((apart - noise)[kept], weights=weight[kept])) * _TRIMMED
+    return float(np.sqrt(max(extra, 0.0)))
 
 
 def _colour(
@@ -179,7 +197,7 @@ def _colour(
     moments = np.zeros(_HIGHEST_ORDER + 1)
     counts = np.zeros(_HIGHEST_ORDER + 1)
     for stretch, residual, mask in zip(stretches, residuals, masks, strict=True):
-        unit = (residual - flat.expected_rad_s(stretch)) / flat.level_rad_s(stretch)
+        unit = residual / flat.level_rad_s(stretch)
         unit = np.where(mask, np.clip(unit, -4.0, 4.0), 0.0)
         for k in range(_HIGHEST_ORDER + 1):
             pairs = mask[k:] & mask[: mask.size - k]

@@ -57,7 +57,8 @@ def diagnose(records: Sequence[Record], model: HammersteinModel) -> Diagnosis:
     usmbench.errors.InputError
         Runs that do not belong to the model or together, or too short to say anything.
     """
-    own = applied_effects(model.effects)
+    known = knowledge_of(model)
+    own = (*applied_effects(model.effects), *applied_effects(known.habits))
     stretches, warnings = cut_runs(records, model, own)
     contexts = [s.context for s in stretches]
     reasons = {(e.name, e.form): e.untestable(contexts) for e in library()}
@@ -66,8 +67,8 @@ def diagnose(records: Sequence[Record], model: HammersteinModel) -> Diagnosis:
     for (name, _), reason in reasons.items():
         if reason is not None and all(e.name != name for e in testable):
             refused[name] = reason
-    found = search(stretches, knowledge_of(model), own, [e for e in testable if not e.sporadic])
-    glitches = find_glitches(found.problem, found.spikes, found.left_rad_s)
+    found = search(stretches, known, own, [e for e in testable if not e.sporadic])
+    glitches = find_glitches(found.problem, found.left_rad_s)
     says = _verdict(found, glitches)
     return _report(found, glitches, says, model, testable, tuple(refused.items()), tuple(warnings))
 
@@ -92,7 +93,7 @@ def _report(
 ) -> Diagnosis:
     """Put everything together."""
     problem = found.problem
-    plain = problem.residual_rad_s
+    plain = [s.residual_rad_s for s in problem.stretches]
     named = found.named if says in ("explained", "partly_explained") else []
     fit = found.fit if named else Fit((), 0.0, 0.0)
     glitches = glitches if says in ("explained", "partly_explained") else None
@@ -100,9 +101,9 @@ def _report(
     extended = replace(
         model, effects=(*model.effects, *(applied.to_mapping() for applied in effects))
     )
-    left = found.left_rad_s if named else plain
+    left = found.left_rad_s if named else problem.residual_rad_s
     gap = memory_windows(model.linear) + 5
-    held = held_out_residual(problem, fit, gap) if fit.effects else problem.residual_rad_s
+    held = held_out_residual(problem, fit, gap)
     after_masks = problem.masks if glitches is not None else [s.use for s in problem.stretches]
     gain = score(problem, held, after_masks, plain)
     causes = [] if not named else _causes(found, named, fit, gain, gap)
@@ -144,7 +145,11 @@ def _causes(
             rest = Fit(tuple(a for i, a in enumerate(fit.effects) if i != k), 0.0, 0.0)
             without = held_out_residual(problem, rest, gap)
             uses = [s.use for s in problem.stretches]
-            share = max(gain.gain - score(problem, without, uses, problem.residual_rad_s).gain, 0.0)
+            share = max(
+                gain.gain
+                - score(problem, without, uses, [s.residual_rad_s for s in problem.stretches]).gain,
+                0.0,
+            )
         effect = applied.effect
         causes.append(
             NamedCause(

@@ -6,7 +6,7 @@ run. With the noise whitened to 1, ``eᵀ C⁻¹ e = min_β |e − Uβ|² + |β|
 in it), so a residual is carried as the vector ``[e − Uβ̂; β̂]``: its square is the deviance.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 from scipy.signal import lfilter
 
-from usmbench.diagnose.knowledge import Knowledge, widening
-from usmbench.diagnose.noise import LAGS, Noise
+from usmbench.diagnose.knowledge import Knowledge
+from usmbench.diagnose.noise import Noise
 from usmbench.diagnose.stretches import Mask, Stretch
-from usmbench.model.extended import Applied, applied_effects, extended_run
-from usmbench.model.linear import from_rest
+from usmbench.model.extended import Applied, extended_run
 
 Array = NDArray[np.float64]
+
+_HIDDEN = 0.05  # share of the noise's variance below which a shape's own does not count
 
 
 class Problem:
@@ -38,6 +39,8 @@ class Problem:
         Rows of each stretch that count.
     own
         The model's own effects.
+    weights
+        Factor on each whitened row of each stretch; None for 1.
     """
 
     def __init__(
@@ -47,22 +50,24 @@ class Problem:
         noise: Noise,
         masks: Sequence[Mask],
         own: Sequence[Applied] = (),
+        weights: Sequence[Array] | None = None,
     ):
         self.stretches = tuple(stretches)
         self.known, self.noise = known, noise
         self.masks = tuple(masks)
         self.own = tuple(own)
+        self._weights = (
+            tuple(np.ones(s.context.n) for s in self.stretches)
+            if weights is None
+            else tuple(weights)
+        )
         self._filter = np.r_[1.0, -noise.ar] / noise.innovation
-        self._habits = [self.change_rad_s([habit]) for habit in applied_effects(known.habits)]
         self._level = [noise.level_rad_s(s) for s in self.stretches]
         self._valid = [self._whole(mask) for mask in self.masks]
-        columns = [self._white_parts(c) for c in self._background()]
-        self._columns = np.column_stack(columns) if columns else np.zeros((self.n_rows, 0))
+        self._columns = self._background()
         gram = self._columns.T @ self._columns + np.eye(self._columns.shape[1])
-        self._factor = cho_factor(gram) if columns else None
-        expected = [known.expected_rad_s(s, noise) for s in self.stretches]
-        for habit in self._habits:
-            expected = [e + h for e, h in zip(expected, habit, strict=True)]
+        self._factor = cho_factor(gram) if self._columns.shape[1] else None
+        expected = [known.expected_rad_s(s) for s in self.stretches]
         self.residual_rad_s = [
             s.residual_rad_s - e for s, e in zip(self.stretches, expected, strict=True)
         ]
@@ -87,7 +92,7 @@ class Problem:
         masks
             Rows of each stretch that count.
         """
-        return Problem(self.stretches, self.known, self.noise, masks, self.own)
+        return Problem(self.stretches, self.known, self.noise, masks, self.own, self._weights)
 
     def change_rad_s(self, effects: Sequence[Applied]) -> list[Array]:
         """Return what effects change in the free run, by stretch.
@@ -117,11 +122,23 @@ class Problem:
         carried: Array = np.concatenate([white - self._columns @ beta, beta])
         return carried
 
+    def _background(self) -> Array:
+        """Whitened columns of what is no news, those of them that exceed the noise."""
+        columns = [self._white_parts(c) for c in self.known.background(self.stretches)]
+        if not columns:
+            return np.zeros((self.n_rows, 0))
+        matrix = np.column_stack(columns)
+        power, ways = np.linalg.eigh(matrix.T @ matrix)
+        kept: Array = matrix @ ways[:, power > _HIDDEN]
+        return kept
+
     def _white_parts(self, signal: Sequence[Array]) -> Array:
         """Whiten each stretch and keep the rows that count."""
         parts = []
-        for values, level, valid in zip(signal, self._level, self._valid, strict=True):
-            parts.append(lfilter(self._filter, [1.0], values / level)[valid])
+        for values, level, valid, weight in zip(
+            signal, self._level, self._valid, self._weights, strict=True
+        ):
+            parts.append((weight * lfilter(self._filter, [1.0], values / level))[valid])
         return np.concatenate(parts)
 
     def _whole(self, mask: Mask) -> Mask:
@@ -131,30 +148,6 @@ class Problem:
             whole[k:] &= mask[:-k]
             whole[:k] = False
         return whole
-
-    def _background(self) -> Iterator[list[Array]]:
-        """Yield what may differ without being news, scaled to one standard deviation."""
-        known, nodes = self.known, self.known.nodes_deg
-        if known.curve_rad_s > 0.0:
-            for k in range(nodes.size):
-                hat = np.eye(nodes.size)[k] * known.curve_rad_s
-                yield [
-                    self._settle(s, np.interp(s.context.phase_deg, nodes, hat))
-                    for s in self.stretches
-                ]
-        for k in range(LAGS):
-            yield [known.lag[k] * s.step_rad_s * (s.lag == k) for s in self.stretches]
-        for run in sorted({s.run for s in self.stretches}):
-            yield [known.gain * s.simulated_rad_s * (s.run == run) for s in self.stretches]
-            yield [known.dead_zone_deg * widening(s) * (s.run == run) for s in self.stretches]
-        # What the bench does anyway may do so with half or double its strength.
-        yield from self._habits
-
-    @staticmethod
-    def _settle(stretch: Stretch, signal: Array) -> Array:
-        """Run the linear part over a change of the settled speed."""
-        linear = stretch.context.linear
-        return from_rest(linear.b, linear.a, linear.dead_time_windows, signal)
 
 
 @dataclass(frozen=True, slots=True)

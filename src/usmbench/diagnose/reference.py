@@ -1,17 +1,39 @@
-"""What the runs that a model was identified on teach about judging others."""
+"""What the runs that a model was identified on teach about judging others.
+
+The shapes' coefficients are estimated from all runs with priors (a ridge), weighted and whitened.
+How far another run may be from them is the estimate's own error, and what leaving out one run at a
+time shows beyond it: a moment estimate for each group of shapes.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
 
-from usmbench.diagnose.knowledge import KEY, measure_knowledge
-from usmbench.diagnose.search import search
-from usmbench.diagnose.stretches import cut_runs
+from usmbench.diagnose.features import Features, features_of, widening
+from usmbench.diagnose.knowledge import KEY, LEAST_DEAD_ZONE_DEG, LEAST_GAIN, Knowledge
+from usmbench.diagnose.naming import rank
+from usmbench.diagnose.noise import Noise, estimate_noise
+from usmbench.diagnose.problem import Problem
+from usmbench.diagnose.spikes import PLAIN, count_steady, spiked
+from usmbench.diagnose.stretches import Mask, Stretch, cut_runs
 from usmbench.errors import InputError
 from usmbench.model.effects.registry import library
+from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.runs.record import Record
+
+Array = NDArray[np.float64]
+
+_ROUNDS = 3
+_RUN_GAIN, _RUN_DEAD_ZONE_DEG = 0.05, 2.0  # any run may be off by this while shapes are learnt
+_FOLDS, _BLOCK = 4, 100
+_HUBER = 3.0
+_BEST_GAIN = 2e-4  # no bench repeats better than that
+_TIED = 100.0  # weight with which the runs' own deviations add up to 0
+_PLAIN = 30.0  # a deviance that no chance explains
 
 
 def with_knowledge(model: HammersteinModel, records: Sequence[Record]) -> HammersteinModel:
@@ -29,14 +51,147 @@ def with_knowledge(model: HammersteinModel, records: Sequence[Record]) -> Hammer
         stretches, _ = cut_runs(records, model, ())
     except InputError:
         return model
-    known = measure_knowledge(model, stretches)
-    contexts = [s.context for s in stretches]
-    effects = [e for e in library() if not e.sporadic and e.untestable(contexts) is None]
-    found = search(stretches, known, (), effects)
-    n = sum(int(np.count_nonzero(s.use)) for s in stretches)
-    known = replace(
-        known,
-        habits=tuple(applied.to_mapping() for applied in found.fit.effects),
-        spikes_hz=found.n_spikes / (n * stretches[0].context.window_s),
-    )
+    known = measure_knowledge(stretches)
+    habits = _habits(stretches, known)
+    if habits:
+        stretches, _ = cut_runs(records, model, habits)
+        entries = tuple(applied.to_mapping() for applied in habits)
+        known = replace(measure_knowledge(stretches), habits=entries)
     return replace(model, residual={**model.residual, KEY: known.to_mapping()})
+
+
+def _habits(stretches: Sequence[Stretch], known: Knowledge) -> tuple[Applied, ...]:
+    """Return what the bench visibly does to every command."""
+    if known.noise is None:
+        return ()
+    effects = [e for e in library() if e.stage == "command" and len(e.parameters) == 1]
+    problem = Problem(stretches, known, known.noise, [s.use for s in stretches])
+    if not effects:
+        return ()
+    best = rank(problem, effects, 1.0)[0]
+    return best.fit.effects if best.statistic > _PLAIN and best.effect.parameters[0].scanned else ()
+
+
+def measure_knowledge(stretches: Sequence[Stretch]) -> Knowledge:
+    """Measure noise, known misfit and repeatability.
+
+    Parameters
+    ----------
+    stretches
+        The runs that the model was identified on.
+    """
+    features = features_of(stretches)
+    residuals = [s.residual_rad_s for s in stretches]
+    uses = [s.use for s in stretches]
+    noise = estimate_noise(stretches, residuals, uses)
+    left, masks = residuals, uses
+    mean, deviation = np.zeros(0), np.zeros(0)
+    own = (_RUN_GAIN, _RUN_DEAD_ZONE_DEG)
+    for _ in range(_ROUNDS):
+        far = spiked(stretches, left, noise, near_steps=True)
+        masks = [use & ~f for use, f in zip(uses, far, strict=True)]
+        mean, deviation, runs = _learn(features, stretches, noise, masks, own)
+        own = _repeatability(runs)
+        expected = [features.combined(s, mean) for s in stretches]
+        left = [
+            r - e - runs[s.run, 0] * s.simulated_rad_s - runs[s.run, 1] * widening(s)
+            for s, r, e in zip(stretches, residuals, expected, strict=True)
+        ]
+        noise = estimate_noise(stretches, left, masks)
+    far = spiked(stretches, left, noise, near_steps=True, times=PLAIN)
+    n_spikes, n_steady = count_steady(stretches, far)
+    used_s = max(n_steady, 1) * stretches[0].context.window_s
+    return Knowledge(noise, features, mean, deviation, *own, n_spikes / used_s)
+
+
+def _learn(
+    features: Features,
+    stretches: Sequence[Stretch],
+    noise: Noise,
+    masks: Sequence[Mask],
+    repeatability: tuple[float, float],
+) -> tuple[Array, Array, Array]:
+    """Coefficients, how far a run may be from them, and each run's own gain and dead zone."""
+    prior = features.prior
+    whiten = np.r_[1.0, -noise.ar] / noise.innovation
+    n_runs = 1 + max(s.run for s in stretches)
+    own = np.array(repeatability)
+    size = prior.size + 2 * n_runs
+    parts = []
+    for s, mask in zip(stretches, masks, strict=True):
+        shapes = np.zeros((s.context.n, size))
+        shapes[:, : prior.size] = np.column_stack(list(features.columns(s))) * prior
+        at = prior.size + 2 * s.run
+        shapes[:, at] = own[0] * s.simulated_rad_s
+        shapes[:, at + 1] = own[1] * widening(s)
+        level = noise.level_rad_s(s)
+        white = lfilter(whiten, [1.0], shapes / level[:, None], axis=0)[mask]
+        parts.append((s, white, lfilter(whiten, [1.0], s.residual_rad_s / level)[mask], mask))
+    # What all runs have in common belongs to the model's error, which the shapes carry.
+    common = np.zeros((2, size))
+    common[0, prior.size :: 2] = common[1, prior.size + 1 :: 2] = _TIED
+    ties = np.eye(size) + common.T @ common
+    theta = np.zeros(size)
+    for _ in range(_ROUNDS):
+        grams, slopes = _moments(parts, theta, n_runs)
+        gram, slope = grams.sum(axis=0) + ties, slopes.sum(axis=0)
+        theta = np.linalg.solve(gram, slope)
+    covariance = np.linalg.inv(gram)
+    extra = _between(features.groups, grams, slopes)
+    deviation = prior * np.sqrt(np.diag(covariance)[: prior.size] + extra**2)
+    runs = theta[prior.size :].reshape(n_runs, 2) * own
+    return prior * theta[: prior.size], deviation, runs
+
+
+def _moments(
+    parts: Sequence[tuple[Stretch, Array, Array, Mask]], theta: Array, n_runs: int
+) -> tuple[Array, Array]:
+    """Return the weighed normal equations of each fold: a run each, or parts of a single one."""
+    n_folds = n_runs if n_runs > 1 else _FOLDS
+    grams, slopes = np.zeros((n_folds, theta.size, theta.size)), np.zeros((n_folds, theta.size))
+    for s, shapes, error, mask in parts:
+        weight = np.minimum(1.0, _HUBER / np.maximum(np.abs(error - shapes @ theta), 1e-12))
+        fold = np.full(mask.size, s.run)
+        if n_runs == 1:
+            fold = np.arange(mask.size) // _BLOCK % _FOLDS
+        for k in np.unique(fold):
+            rows = fold[mask] == k
+            weighed = shapes[rows] * weight[rows, None]
+            grams[k] += weighed.T @ shapes[rows]
+            slopes[k] += weighed.T @ error[rows]
+    return grams, slopes
+
+
+def _between(groups: Sequence[str], grams: Array, slopes: Array) -> Array:
+    """Deviation of a fold's coefficients beyond their error, in priors, by group.
+
+    With b₋ from the other folds and its covariance C, the score u = Xᵀ(y − X b₋) of the fold left
+    out has the covariance G + G C G + τ² G_g G_gᵀ for the group's columns; the trace gives τ².
+    """
+    names = np.array(groups)
+    total, slope = grams.sum(axis=0) + np.eye(grams.shape[1]), slopes.sum(axis=0)
+    extra = np.zeros(names.size)
+    above = {g: [0.0, 0.0] for g in dict.fromkeys(groups)}
+    for gram, own in zip(grams, slopes, strict=True):
+        covariance = np.linalg.inv(total - gram)
+        score = own - gram @ (covariance @ (slope - own))
+        for g, sums in above.items():
+            at = np.flatnonzero(names == g)
+            block = gram[:, at]
+            # Columns that the fold hardly excites say nothing: weigh by what they hold.
+            null = float(np.trace(block[at])) + float(np.sum(block * (covariance @ block)))
+            sums[0] += float(score[at] @ score[at]) - null
+            sums[1] += float(np.sum(block[at] ** 2))
+    for g, (excess, scale) in above.items():
+        extra[names == g] = np.sqrt(max(excess, 0.0) / scale) if scale > 0.0 else 0.0
+    return extra
+
+
+def _repeatability(runs: Array) -> tuple[float, float]:
+    """Wander of gain and dead zone from run to run, by one estimate of each a run."""
+    if runs.shape[0] < 2:
+        return LEAST_GAIN, LEAST_DEAD_ZONE_DEG
+    # A standard deviation of few values is itself uncertain: err on the side of more wander.
+    inflation = 1.0 + 1.0 / np.sqrt(2.0 * (runs.shape[0] - 1))
+    gain, dead_zone_deg = np.std(runs, axis=0, ddof=1) * inflation
+    return max(float(gain), _BEST_GAIN), max(float(dead_zone_deg), LEAST_DEAD_ZONE_DEG)

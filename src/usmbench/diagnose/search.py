@@ -14,12 +14,13 @@ from usmbench.diagnose.naming import (
     Whole,
     earns_its_place,
     rank,
+    same_shape,
     whole_test,
 )
 from usmbench.diagnose.noise import estimate_noise
 from usmbench.diagnose.problem import Basis, Problem
 from usmbench.diagnose.spikes import spiked
-from usmbench.diagnose.stretches import Mask, Stretch
+from usmbench.diagnose.stretches import Stretch
 from usmbench.diagnose.views import omnibus
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
@@ -27,6 +28,7 @@ from usmbench.model.extended import Applied
 Array = NDArray[np.float64]
 
 _MOST_CAUSES = 3
+_HUBER = 2.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,8 +49,6 @@ class Found:
         All named causes together.
     before, after
         The tests over all views.
-    spikes
-        Windows of each stretch that stand alone.
     """
 
     problem: Problem
@@ -58,13 +58,6 @@ class Found:
     fit: Fit
     before: Whole
     after: Whole
-    spikes: list[Mask]
-
-    @property
-    def n_spikes(self) -> int:
-        """Number of usable windows that stand alone."""
-        pairs = zip(self.spikes, self.problem.stretches, strict=True)
-        return sum(int(np.count_nonzero(far & s.use)) for far, s in pairs)
 
     @property
     def left_rad_s(self) -> list[Array]:
@@ -104,24 +97,41 @@ def search(
         noise = estimate_noise(stretches, left, masks)
     far = spiked(stretches, left, noise, near_steps=True)
     masks = [use & ~f for use, f in zip(uses, far, strict=True)]
-    problem = Problem(stretches, known, noise, masks, own)
+    weights = _weights(Problem(stretches, known, noise, masks, own), left)
+    problem = Problem(stretches, known, noise, masks, own, weights)
     basis = omnibus(problem)["all"]
     spread = _spread(problem, basis, best.fit if best.p_value < SIGNIFICANT else None)
     ranked = rank(problem, effects, spread)
     named: list[list[Ranked]] = []
     fit = Fit((), 0.0, 0.0)
     here = ranked
+    taken: set[str] = set()
     while here and len(named) < _MOST_CAUSES and here[0].p_value < SIGNIFICANT:
         if here[0].score <= 0.0 or (named and not earns_its_place(here[0], named[0][0])):
             break
         named.append(here)
         fit = refine(problem, here[0].fit)
         spread = max(1.0, _spread(problem, basis, fit))
-        taken = {rows[0].effect.name for rows in named}
+        taken |= same_shape(here)
         here = rank(problem, [e for e in effects if e.name not in taken], spread, fit)
     before = whole_test(problem, basis, None, spread)
     after = whole_test(problem, basis, fit, spread)
-    return Found(problem, spread, ranked, named, fit, before, after, far)
+    return Found(problem, spread, ranked, named, fit, before, after)
+
+
+def _weights(problem: Problem, left_rad_s: Sequence[Array]) -> list[Array]:
+    """Weights of the rows (Huber): noise near the dead zone has heavy tails."""
+    white = np.abs(problem.carried(left_rad_s)[: problem.n_rows])
+    scale = max(1.4826 * float(np.median(white)), 1.0)
+    kept = np.sqrt(np.minimum(1.0, _HUBER * scale / np.maximum(white, 1e-12)))
+    weights, at = [], 0
+    for valid in problem.valid:
+        weight = np.ones(valid.size)
+        n = int(np.count_nonzero(valid))
+        weight[valid] = kept[at : at + n]
+        weights.append(weight)
+        at += n
+    return weights
 
 
 def _left(problem: Problem, fit: Fit | None) -> list[Array]:

@@ -5,16 +5,23 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.noise import LAGS, Noise
+from usmbench.diagnose.noise import LAGS, Noise, step_kind
 from usmbench.diagnose.stretches import Mask, Stretch
 
 Array = NDArray[np.float64]
 
+_RUNNING = 0.1  # of the highest speed
+PLAIN = 12.0  # so far that only a false count remains
 FAR = 6.0  # standard deviations: once in 5·10⁸ windows of normal noise
 
 
 def spiked(
-    stretches: Sequence[Stretch], residuals: Sequence[Array], noise: Noise, *, near_steps: bool
+    stretches: Sequence[Stretch],
+    residuals: Sequence[Array],
+    noise: Noise,
+    *,
+    near_steps: bool,
+    times: float = FAR,
 ) -> list[Mask]:
     """Return the windows whose residual stands alone.
 
@@ -29,19 +36,51 @@ def spiked(
     near_steps
         Whether windows shortly after a step may be called; before a delay or a lag is ruled out
         they may not, both leave single windows there.
+    times
+        Standard deviations from the neighbours.
     """
     return [
-        _alone(residual, noise.level_rad_s(s)) & (near_steps | _far_from_step(s, noise))
+        _alone(residual, times * noise.level_rad_s(s)) & (near_steps | _far_from_step(s, noise))
         for s, residual in zip(stretches, residuals, strict=True)
     ]
 
 
-def _alone(residual: Array, level: Array) -> Mask:
+def steady(stretch: Stretch) -> Mask:
+    """Return the rows on which nothing but a false count can make a window stand alone.
+
+    Parameters
+    ----------
+    stretch
+        The stretch. A rotor that starts or stops does so at a moment of its own.
+    """
+    settled = np.abs(stretch.settled_rad_s)
+    running = settled > _RUNNING * float(np.max(settled, initial=0.0))
+    on: Mask = stretch.use & running & (stretch.lag > 0)
+    calm: Mask = on & ((step_kind(stretch) == 0) | (stretch.lag > 2))
+    return calm
+
+
+def count_steady(stretches: Sequence[Stretch], far: Sequence[Mask]) -> tuple[int, int]:
+    """Return how many steady windows stand alone, and how many there are.
+
+    Parameters
+    ----------
+    stretches
+        The stretches.
+    far
+        Windows that stand alone.
+    """
+    rows = [steady(s) for s in stretches]
+    hit = sum(int(np.count_nonzero(f & r)) for f, r in zip(far, rows, strict=True))
+    return hit, sum(int(np.count_nonzero(r)) for r in rows)
+
+
+def _alone(residual: Array, least: Array) -> Mask:
     """Rows far from the middle of the two rows before and the two after, up to two in a row."""
     padded = np.pad(residual, 3, mode="edge")
     around = np.stack([padded[k : k + residual.size] for k in (0, 1, 2, 4, 5, 6)])
     away = residual - np.median(around, axis=0)
-    return np.asarray(np.abs(away) > FAR * level, dtype=np.bool_)
+    return np.asarray(np.abs(away) > least, dtype=np.bool_)
 
 
 def _far_from_step(stretch: Stretch, noise: Noise) -> Mask:

@@ -158,7 +158,10 @@ def residual_views(problem: Problem, after: Sequence[Array], spread: float) -> t
         colour and how much it exceeds what is known.
     """
     level = [problem.noise.level_rad_s(s) for s in problem.stretches]
-    found = [_view(problem, b, level, after, spread) for b in binnings(problem.stretches)]
+    background = list(problem.known.background(problem.stretches))
+    found = [
+        _view(problem, b, level, after, spread, background) for b in binnings(problem.stretches)
+    ]
     return tuple(sorted(found, key=lambda view: -view.excess_before))
 
 
@@ -168,6 +171,7 @@ def _view(
     level: Sequence[Array],
     after: Sequence[Array],
     spread: float,
+    background: Sequence[Sequence[Array]],
 ) -> View:
     """Average each bin's rows and work out the band that noise alone keeps within."""
     n_bins = binning.centre.size
@@ -189,11 +193,19 @@ def _view(
         ):
             sums[k] += np.bincount(at, weights=values, minlength=n_bins)
     count = np.maximum(sums[0], 1.0)
+    known = np.zeros(n_bins)
+    for column in background:
+        total = np.zeros(n_bins)
+        for index, sign, mask, part in zip(
+            binning.index, binning.sign, problem.masks, column, strict=True
+        ):
+            rows = mask & (index >= 0)
+            total += np.bincount(index[rows], weights=(sign * part)[rows], minlength=n_bins)
+        known += (total / count) ** 2
     seen = sums[0] >= 3
     # Every bin of the view together keeps within the band in 95 % of runs (Šidák).
     z = float(norm.ppf(0.5 + 0.5 * 0.95 ** (1.0 / max(int(seen.sum()), 1))))
-    background = problem.known.curve_rad_s
-    band = z * np.hypot(spread * np.sqrt(sums[3]) / count, background)
+    band = z * np.sqrt(np.where(seen, spread**2 * sums[3] / count**2 + known, 1.0))
     before, left = sums[1] / count, sums[2] / count
     excess = [float(np.max((np.abs(v) / band)[seen], initial=0.0)) for v in (before, left)]
     return View(

@@ -49,7 +49,7 @@ class Sticking(Effect):
         contexts
             All stretches.
         """
-        return {"start_later_deg": np.geomspace(0.3, 40.0, 36)}
+        return {"start_later_deg": np.geomspace(0.3, 40.0, 24)}
 
 
 class DirectedEdges(Effect):

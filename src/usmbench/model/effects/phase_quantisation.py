@@ -42,9 +42,10 @@ class RoundedPhase(Effect):
         contexts
             All stretches.
         """
-        register = [360.0 / n for n in (*range(6, 361), 384, 512, 640, 720, 1000, 1024, 2048, 4096)]
-        decimal = [0.1, 0.2, 0.25, 0.5, 2.5, 3.5, 7.0, 7.5, 12.5, 25.0, 35.0, 50.0]
-        return {"step_deg": np.unique([*register, *decimal])}
+        register = 360.0 / 2.0 ** np.arange(3, 13)
+        decimal = [0.1, 0.2, 0.25, 0.5, 1, 1.5, 1.8, 2, 2.5, 3, 3.6, 4, 5, 6, 7.2, 7.5, 8, 9, 10]
+        coarse = [12, 15, 18, 20, 24, 30, 36, 40, 60]
+        return {"step_deg": np.unique([*register, *decimal, *coarse])}
 
 
 class TruncatedPhase(RoundedPhase):

@@ -7,15 +7,17 @@ from dataclasses import replace
 import numpy as np
 
 from usmbench.model.effects.base import Array, Context, DynamicsEffect, Parameter, Values
+from usmbench.model.effects.first_order import first_order, lag_and_delay_s
 from usmbench.model.hammerstein import LinearPart
 
 _FASTEST = 1e-3  # a pole nearer to 0 is no lag at this window
 
 
 class SlowDynamics(DynamicsEffect):
-    """The slowest real pole exp(−T/τ) moves to exp(−T/(τ + d)), at the same gain.
+    """The time constant τ becomes τ + d: more inertia on the shaft, or a softer contact.
 
-    More inertia on the shaft, or a softer contact.
+    Exact for a first-order lag; of other dynamics, the slowest real pole exp(−T/τ) moves to
+    exp(−T/(τ + d)) at the same gain.
     """
 
     name = "slow_dynamics"
@@ -34,6 +36,9 @@ class SlowDynamics(DynamicsEffect):
         added_s, window_s = values["added_s"], context.window_s
         if added_s <= 0.0:
             return linear
+        known = lag_and_delay_s(linear, window_s)
+        if known is not None:
+            return first_order(known[0] + added_s, known[1], window_s)
         poles = np.roots(np.r_[1.0, linear.a])
         real = (np.abs(poles.imag) < 1e-9) & (poles.real > _FASTEST) & (poles.real < 1.0)
         rest, tau_s = poles, 0.0

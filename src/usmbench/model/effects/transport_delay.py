@@ -1,41 +1,45 @@
 """Commands act late."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+from usmbench.model.effects.base import Array, Context, DynamicsEffect, Parameter, Values
+from usmbench.model.effects.first_order import first_order, lag_and_delay_s
+from usmbench.model.hammerstein import LinearPart
 
 
-class TransportDelay(Effect):
-    """v′(t) = v(t − d): the line, the board, or the software holds a command back.
+class TransportDelay(DynamicsEffect):
+    """A dead time d before everything: the line, the board, or the software holds a command back.
 
-    Speeds are averages over windows and φ is held through a window, so a part of a window mixes
-    two neighbouring values.
+    Exact for a first-order lag; of other dynamics, a part of a window mixes two neighbouring
+    values.
     """
 
     name = "transport_delay"
     meaning = "Commands act later than the simulation says."
     mend = "Time a command from the host to the generator's pins; look at the line's rate."
-    stage = "settled"
     parameters = (Parameter("delay_s", "s", 0.0, 0.0, 1.0, 0.002, scanned=True),)
 
-    def apply(self, signal: Array, context: Context, values: Values) -> Array:
-        """Return the settled speed, late.
+    def linear_part(self, linear: LinearPart, context: Context, values: Values) -> LinearPart:
+        """Return the late linear part.
 
         Parameters
         ----------
-        signal, context, values
-            As in `Effect.apply`.
+        linear, context, values
+            As in `DynamicsEffect.linear_part`.
         """
-        windows = values["delay_s"] / context.window_s
-        whole = int(windows)
-        part = windows - whole
-        rows = np.arange(signal.size)
-        late = signal[np.maximum(rows - whole, 0)]
-        later = signal[np.maximum(rows - whole - 1, 0)]
-        mixed: Array = (1.0 - part) * late + part * later
-        return mixed
+        delay_s, window_s = values["delay_s"], context.window_s
+        if delay_s <= 0.0:
+            return linear
+        known = lag_and_delay_s(linear, window_s)
+        if known is not None:
+            return first_order(known[0], known[1] + delay_s, window_s)
+        whole = int(delay_s / window_s)
+        part = delay_s / window_s - whole
+        b = np.convolve(linear.b, [1.0 - part, part])
+        return replace(linear, b=b, dead_time_windows=linear.dead_time_windows + whole)
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
         """Return delays from a tenth of a window up to a hundred, or a second.

@@ -1,0 +1,78 @@
+"""Play in the coupling between motor and disc."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+
+
+class CouplingBacklash(Effect):
+    """After a reversal the disc stands until the rotor has turned through the gap."""
+
+    name = "coupling_backlash"
+    meaning = "The coupling has play: after each reversal the disc waits for the rotor."
+    mend = "Hold the disc and turn the rotor to and fro by hand; tighten the coupling's screws."
+    stage = "motion"
+    parameters = (Parameter("gap_rad", "rad", 0.0, 0.0, 1.0, 0.01, scanned=True),)
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the disc's speed.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        gap_rad = values["gap_rad"]
+        if gap_rad <= 0.0:
+            return signal
+        turned_rad = np.abs(signal) * context.window_s
+        way = _latest(np.sign(signal))
+        edges = np.flatnonzero(np.diff(way)) + 1
+        carried_rad = np.zeros_like(turned_rad)
+        ahead_rad = 0.0  # of the rotor's path to the flank that drives the disc
+        for rows in np.split(np.arange(signal.size), edges):
+            path_rad = np.cumsum(turned_rad[rows])
+            disc_rad = np.maximum(path_rad - ahead_rad, 0.0)
+            carried_rad[rows] = np.diff(disc_rad, prepend=0.0)
+            ahead_rad = gap_rad - max(ahead_rad - float(path_rad[-1]), 0.0)
+        carried: Array = way * carried_rad / context.window_s
+        return carried
+
+    def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
+        """Return gaps from a count of the disc to a third of a turn.
+
+        Parameters
+        ----------
+        contexts
+            All stretches.
+        """
+        return {"gap_rad": np.geomspace(0.003, 1.0, 12)}
+
+    def untestable(self, contexts: Sequence[Context]) -> str | None:
+        """Return why where the shaft never reverses.
+
+        Parameters
+        ----------
+        contexts
+            All stretches.
+        """
+        speeds = [c.settled_rad_s(c.phase_deg) for c in contexts]
+        if any(float(v.min()) < 0.0 < float(v.max()) for v in speeds):
+            return None
+        return "the shaft never reverses"
+
+
+def _latest(way: Array) -> Array:
+    """Last way that was not 0; before the first, that one."""
+    moving = np.flatnonzero(way)
+    if moving.size == 0:
+        return way
+    rows = np.arange(way.size)
+    last = np.maximum.accumulate(np.where(way != 0.0, rows, moving[0]))
+    filled: Array = way[last]
+    return filled
+
+
+FORMS = (CouplingBacklash(),)
