@@ -79,24 +79,20 @@ def question_of(diagnosis: Diagnosis) -> Question | None:
     diagnosis
         The diagnosis.
     """
-    alone = {candidate.name: candidate for candidate in diagnosis.candidates}
+    named = {cause.name for cause in diagnosis.causes}
+    alone = {c.name: c for c in diagnosis.candidates if c.name not in named}
     for cause in diagnosis.causes:
         others = [alone[name] for name in cause.alternatives if name in alone]
         if others:
-            named = [
-                _applied(c.name, c.form, c.parameters) for c in (cause, *_beside(cause, diagnosis))
-            ]
-            rivals = (named[0], *map(_fitted, others))
-            given = [applied for applied in named[1:] if not applied.effect.sporadic]
-            return Question(rivals[:_MOST_RIVALS], tuple(given))
+            beside = [_stated(other) for other in diagnosis.causes if other is not cause]
+            return Question(
+                (_stated(cause), *map(_fitted, others))[:_MOST_RIVALS],
+                tuple(applied for applied in beside if not applied.effect.sporadic),
+            )
     if diagnosis.verdict != "no_discrepancy" or not diagnosis.candidates:
         return None
     best = min(diagnosis.candidates, key=lambda candidate: candidate.p_value)
     return Question((_fitted(best), None)) if best.p_value < _SUGGESTIVE else None
-
-
-def _beside(cause: NamedCause, diagnosis: Diagnosis) -> list[NamedCause]:
-    return [other for other in diagnosis.causes if other is not cause]
 
 
 def propose(
@@ -225,6 +221,10 @@ def _some(stretches: Sequence[Stretch]) -> list[Stretch]:
         if sum(s.context.n for s in kept) + stretch.context.n <= _MOST_WINDOWS:
             kept.append(stretch)
     return kept
+
+
+def _stated(cause: NamedCause) -> Applied:
+    return _applied(cause.name, cause.form, cause.parameters)
 
 
 def _fitted(candidate: Candidate) -> Applied:

@@ -147,3 +147,9 @@ def test_causes_that_act_beside_the_rivals_are_kept(make_diagnosis: Make) -> Non
     assert [a.effect.name for a in question.given] == ["speed_scale"]
     names = [None if a is None else a.effect.name for a in question.rivals]
     assert names == ["dead_zone_hysteresis", "transport_delay"]
+
+
+def test_a_cause_that_is_named_already_is_no_rival(make_diagnosis: Make) -> None:
+    found = make_diagnosis()
+    delay = NamedCause("transport_delay", "", "", "", (), (DELAY,), 1e-9, 0.1)
+    assert question_of(replace(found, causes=(found.causes[0], delay))) is None
