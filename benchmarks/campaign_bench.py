@@ -1,6 +1,5 @@
 """One motor of the naming campaign: identify it, hide a cause, diagnose, keep what came out."""
 
-import json
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
 from io import StringIO
@@ -15,7 +14,9 @@ from benchmarks.campaign_outcome import Outcome
 from benchmarks.campaign_runs import PLANS, Excited, Measured, Motor
 from hil_sim.defects import Defect
 from usmbench.cli.main import main as usmbench
-from usmbench.model.model_file import read_model
+from usmbench.diagnose.pipeline import diagnose
+from usmbench.errors import UsmbenchError
+from usmbench.model.model_file import read_model, write_model
 from usmbench.model.replay import replay_record
 from usmbench.runs.reader import read_run
 from usmbench.runs.record import Record
@@ -83,7 +84,7 @@ class MotorBench:
             self._compare(outcome, read_run(run), draw)
         try:
             outcome.take(self.diagnosis(run))
-        except RuntimeError as error:
+        except UsmbenchError as error:
             outcome.error = str(error)
             return outcome
         if outcome.named and defects and draw.number % _FRESH_EVERY == 0:
@@ -103,11 +104,10 @@ class MotorBench:
 
     def diagnosis(self, run: Path) -> dict[str, Any]:
         """Return what diagnose says of a run; leave the extended model beside the plain one."""
-        found = self._folder / "found.json"
-        words = ("--model", self.model, "--json", found, "--out", self._extended)
-        _command("diagnose", run, *words)
-        said: dict[str, Any] = json.loads(found.read_text("utf-8"))
-        return said
+        # Not by the command, which goes on to look for the next experiment.
+        result = diagnose([read_run(run)], read_model(self.model))
+        write_model(self._extended, result.extended)
+        return result.to_json()
 
     @property
     def _extended(self) -> Path:
