@@ -1,5 +1,6 @@
 """A whole bench over pseudo-terminal and gRPC, sound and with one thing wrong at a time."""
 
+import itertools
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -13,7 +14,7 @@ from hil_sim.faults import FaultSchedule
 from hil_sim.plant import MotorPlant
 from hil_sim.running import RunningTestbed
 from hil_sim.signals import Drive, Samples
-from usmbench.doctor import card
+from usmbench.doctor import card, wire
 from usmbench.doctor.examination import examine
 from usmbench.doctor.finding import Finding
 from usmbench.instruments.protocol import _generated
@@ -148,6 +149,14 @@ def test_a_port_is_searched_for_where_the_bench_file_says_auto(
     with examined(auto, move=False) as (findings, running):
         assert findings["port"].saw == f"{running.port}: a board answered on it"
         assert findings["board"].status == "ok"
+
+
+def test_an_adapter_that_holds_replies_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    times_s = itertools.count(step=0.016)
+    monkeypatch.setattr(wire, "perf_counter", lambda: next(times_s))
+    with examined(move=False) as (findings, _):
+        assert findings["board"].status == "warning"
+        assert "latency timer" in findings["board"].do
 
 
 def test_a_port_that_is_not_there() -> None:
