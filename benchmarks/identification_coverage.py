@@ -18,7 +18,7 @@ from scipy.signal import lfilter
 from usmbench.identify.dynamics import LagFamily
 from usmbench.identify.fast import FastOptions, identify_fast
 from usmbench.identify.knots import dead_zone_deg
-from usmbench.model.hammerstein import StaticCurve
+from usmbench.model.hammerstein import LinearPart, StaticCurve
 from usmbench.model.linear import free_run
 from usmbench.runs.record import Record
 
@@ -31,12 +31,17 @@ CURVE = StaticCurve(KNOTS_DEG, DELTA_RAD_S)
 NOISE_RAD_S = 0.05
 
 
+def true_dynamics() -> LinearPart:
+    """Return the known motor's dynamics."""
+    parameters = np.array([np.log(TAU_S / WINDOW_S), DEAD_TIME_S / WINDOW_S])
+    return LagFamily(1.0).dynamics(parameters).linear_part(WINDOW_S)
+
+
 def record(seed: int, n: int, colour: float) -> Record:
     """Return a run of the known motor with autoregressive noise of a given coefficient."""
     rng = np.random.default_rng(seed)
     phase_deg = np.repeat(rng.uniform(-90.0, 90.0, n // 5 + 1), 5)[:n]
-    dynamics = LagFamily(1.0).dynamics(np.array([np.log(TAU_S / WINDOW_S), DEAD_TIME_S / WINDOW_S]))
-    clean = free_run(dynamics.linear_part(WINDOW_S), CURVE.speed_rad_s(phase_deg))
+    clean = free_run(true_dynamics(), CURVE.speed_rad_s(phase_deg))
     white = NOISE_RAD_S * np.sqrt(1.0 - colour**2) * rng.standard_normal(n + 100)
     noise: Array = lfilter([1.0], [1.0, -colour], white)[100:]
     t_s: Array = WINDOW_S * np.arange(1.0, n + 1.0)
@@ -56,9 +61,7 @@ def coverage(n_sets: int, colour: float, n: int = 3000) -> dict[str, float]:
     n
         Windows in each.
     """
-    true_linear = LagFamily(1.0).dynamics(
-        np.array([np.log(TAU_S / WINDOW_S), DEAD_TIME_S / WINDOW_S])
-    )
+    true_linear = true_dynamics()
     low_deg, high_deg = dead_zone_deg(CURVE)
     hits: dict[str, list[float]] = defaultdict(list)
     for seed in range(n_sets):
@@ -69,8 +72,8 @@ def coverage(n_sets: int, colour: float, n: int = 3000) -> dict[str, float]:
             hits[f"false alarm: {test.question}"].append(float(test.p_value < 0.05))
         shared, own = model.intervals, model.intervals["points"][0]
         hits["a_1"].append(_holds(shared["a"][0], float(true_linear.a[0])))
-        hits["b_0"].append(_holds(shared["b"][0], float(true_linear.numerator[0])))
-        hits["b_1"].append(_holds(shared["b"][1], float(true_linear.numerator[1])))
+        hits["b_0"].append(_holds(shared["b"][0], float(true_linear.b[0])))
+        hits["b_1"].append(_holds(shared["b"][1], float(true_linear.b[1])))
         hits["tau_s"].append(_holds(shared["tau_s"], TAU_S))
         hits["dead_time_s"].append(_holds(shared["dead_time_s"], DEAD_TIME_S))
         hits["dead zone, low"].append(_holds(own["dead_zone_low_deg"], low_deg))

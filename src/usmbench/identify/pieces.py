@@ -14,11 +14,11 @@ from usmbench.identify.data import Dataset, Segment
 from usmbench.model.bernstein import bernstein_basis
 from usmbench.model.hammerstein import LinearPart, StaticCurve
 from usmbench.model.inverse_map import bezier_abscissa
-from usmbench.model.linear import memory_windows
+from usmbench.model.linear import fitted_start_rad_s, memory_windows
 
 Array = NDArray[np.float64]
 
-PIECE_ROWS = 16_384  # a piece and its temporaries stay in the cache
+PIECE_ROWS = 65_536
 _FORGOTTEN = 1e-10
 
 
@@ -37,6 +37,20 @@ class Piece:
     phase_deg: Array
     speed_rad_s: Array
     before: int
+
+    def start_rad_s(self, linear: LinearPart, settled_rad_s: Array) -> float:
+        """Return the settled speed before the piece, as far as any of its rows depends on it.
+
+        Parameters
+        ----------
+        linear
+            The dynamics.
+        settled_rad_s
+            The static curve's output, shape (n,).
+        """
+        if self.before:
+            return float(settled_rad_s[0])
+        return fitted_start_rad_s(linear, settled_rad_s, self.speed_rad_s)
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,9 +137,9 @@ def regressors(phase_deg: Array, knots_deg: Array) -> Regressors:
     knots_deg
         Knots, shape (d + 1,).
     """
-    first = np.flatnonzero(np.r_[True, phase_deg[1:] != phase_deg[:-1]])
+    first = _dwell_starts(phase_deg)
     basis = bernstein_basis(bezier_abscissa(phase_deg[first], knots_deg), knots_deg.size - 1)
-    return Regressors(basis, first, np.diff(np.r_[first, phase_deg.size]))
+    return Regressors(basis, first, np.diff(first, append=phase_deg.size))
 
 
 def settled_speed_rad_s(phase_deg: Array, curve: StaticCurve) -> Array:
@@ -138,5 +152,11 @@ def settled_speed_rad_s(phase_deg: Array, curve: StaticCurve) -> Array:
     curve
         The curve.
     """
-    first = np.flatnonzero(np.r_[True, phase_deg[1:] != phase_deg[:-1]])
-    return np.repeat(curve.speed_rad_s(phase_deg[first]), np.diff(np.r_[first, phase_deg.size]))
+    first = _dwell_starts(phase_deg)
+    return np.repeat(curve.speed_rad_s(phase_deg[first]), np.diff(first, append=phase_deg.size))
+
+
+def _dwell_starts(phase_deg: Array) -> NDArray[np.intp]:
+    """Rows at which the phase changes, and the first."""
+    changed = np.flatnonzero(phase_deg[1:] != phase_deg[:-1]) + 1
+    return np.concatenate([[0], changed])

@@ -20,13 +20,13 @@ from usmbench.identify.pieces import Piece, pieces, regressors
 from usmbench.identify.robust import RobustFit, bisquare_root, changing_rows
 from usmbench.identify.sensitivities import output_sensitivities
 from usmbench.identify.triangle import full_rank, triangle
-from usmbench.model.linear import fitted_start_rad_s, free_run, from_rest
+from usmbench.model.linear import free_run, from_rest
 
 Array = NDArray[np.float64]
 
 _MAX_PASSES = 8
 _CLOSE = 0.01  # squared distance to the minimum, in standard deviations of the estimates
-_BEST_SHARE = 0.01  # of a squared distance that a step may leave
+_FIRST_SHARE = 0.01  # of a squared distance that the first step may leave
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,8 +79,9 @@ def polished(
         if distance >= last or not there.dynamics.stable:
             break
         here = there
-        # The next step will be shorter by the same share, as far as a part's curvature is good.
-        if distance * max(distance / last, _BEST_SHARE) < _CLOSE:
+        # The next step will be shorter by the same share.
+        share = _FIRST_SHARE if last == np.inf else distance / last
+        if distance * share < _CLOSE:
             break
         last = distance
     return here
@@ -122,7 +123,7 @@ def _gradient(
     basis = regressors(piece.phase_deg, knots_deg)
     settled_rad_s = basis.times(delta)
     linear = dynamics.linear_part(None)
-    start_rad_s = fitted_start_rad_s(linear, settled_rad_s, piece.speed_rad_s)
+    start_rad_s = piece.start_rad_s(linear, settled_rad_s)
     residual = piece.speed_rad_s - free_run(linear, settled_rad_s, start_rad_s)
     changing = changing_rows(piece.phase_deg, dynamics)
     scale = np.where(changing, search.changing_rad_s, search.settled_rad_s)

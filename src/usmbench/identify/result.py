@@ -21,7 +21,6 @@ from usmbench.model.hammerstein import (
 from usmbench.model.linear import (
     dead_time_s,
     delayed,
-    fitted_start_rad_s,
     free_run,
     time_constant_s,
 )
@@ -198,7 +197,7 @@ def _score(data: Dataset, linear: LinearPart, curve: StaticCurve, point: int) ->
 
 def _free_run_error(linear: LinearPart, settled_rad_s: Array, piece: Piece) -> Array:
     """Measured minus free-running speed, from the start that suits the measurement best."""
-    start_rad_s = fitted_start_rad_s(linear, settled_rad_s, piece.speed_rad_s)
+    start_rad_s = piece.start_rad_s(linear, settled_rad_s)
     return (piece.speed_rad_s - free_run(linear, settled_rad_s, start_rad_s))[piece.before :]
 
 
