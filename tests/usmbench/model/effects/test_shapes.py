@@ -1,0 +1,73 @@
+"""What some effects do, against figures worked out another way."""
+
+import math
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from usmbench.model.effects.base import Context
+from usmbench.model.effects.coupling_backlash import CouplingBacklash
+from usmbench.model.effects.first_order import first_order, lag_and_delay_s
+from usmbench.model.effects.phase_quantisation import RoundedPhase, TruncatedPhase
+from usmbench.model.effects.shaft_compliance import ShaftCompliance
+from usmbench.model.effects.transport_delay import TransportDelay
+from usmbench.model.hammerstein import LinearPart
+from usmbench.model.linear import free_run
+
+WINDOW_S = 0.01
+LINEAR = LinearPart(np.array([-0.05]), np.array([0.6, 0.35]), 0, WINDOW_S)
+
+
+def _context(n: int) -> Context:
+    return Context(WINDOW_S * np.arange(1.0, n + 1.0), WINDOW_S, np.zeros(n), lambda p: p, LINEAR)
+
+
+def test_backlash_swallows_the_gap_after_each_reversal() -> None:
+    speed = np.array([1.0, 1.0, -1.0, -1.0, -1.0, 0.0, 1.0, 1.0])
+    disc = CouplingBacklash().apply(speed, _context(8), {"gap_rad": 0.015})
+    assert np.allclose(disc, [1.0, 1.0, 0.0, -0.5, -1.0, 0.0, 0.0, 0.5])
+
+
+def test_a_register_rounds_or_cuts_off() -> None:
+    phase_deg = np.array([-7.4, 0.4, 3.9, 11.0])
+    rounded = RoundedPhase().apply(phase_deg, _context(4), {"step_deg": 4.0})
+    cut = TruncatedPhase().apply(phase_deg, _context(4), {"step_deg": 4.0})
+    assert np.allclose(rounded, [-8.0, 0.0, 4.0, 12.0])
+    assert np.allclose(cut, [-8.0, 0.0, 0.0, 8.0])
+
+
+@settings(deadline=None, max_examples=30)
+@given(tau=st.floats(0.1, 3.0), delay=st.floats(0.0, 3.0))
+def test_first_order_is_the_average_of_the_exact_response(tau: float, delay: float) -> None:
+    linear = first_order(tau * WINDOW_S, delay * WINDOW_S, WINDOW_S)
+    response = free_run(linear, np.ones(12), 0.0)
+    fine = (np.arange(12 * 2000) + 0.5) / 2000 - delay
+    exact = np.where(fine > 0.0, 1.0 - np.exp(-np.maximum(fine, 0.0) / tau), 0.0)
+    assert np.allclose(response, exact.reshape(12, -1).mean(axis=1), atol=1e-3)
+
+
+@settings(deadline=None, max_examples=20)
+@given(tau=st.floats(0.2, 3.0), delay=st.floats(0.0, 0.9))
+def test_lag_and_delay_come_back(tau: float, delay: float) -> None:
+    found = lag_and_delay_s(first_order(tau * WINDOW_S, delay * WINDOW_S, WINDOW_S), WINDOW_S)
+    assert found is not None
+    assert math.isclose(found[0], tau * WINDOW_S, rel_tol=1e-6)
+    assert math.isclose(found[1], delay * WINDOW_S, abs_tol=1e-8)
+
+
+def test_a_whole_window_of_delay_shifts_any_dynamics() -> None:
+    linear = LinearPart(np.array([-0.5, 0.3]), np.array([0.5, 0.3]), 0, WINDOW_S)
+    late = TransportDelay().linear_part(linear, _context(4), {"delay_s": WINDOW_S})
+    steps = np.random.default_rng(1).normal(size=50)
+    on_time = free_run(linear, steps, 0.0)
+    assert np.allclose(free_run(late, steps, 0.0)[1:], on_time[:-1])
+
+
+def test_a_soft_shaft_rings_with_its_period_and_settles() -> None:
+    step = np.r_[np.zeros(5), np.ones(400)]
+    values = {"period_s": 0.2, "damping": 0.05}
+    disc = ShaftCompliance().apply(step, _context(step.size), values)
+    above = np.flatnonzero(np.diff(np.sign(disc[5:] - 1.0)))
+    assert math.isclose(2.0 * WINDOW_S * float(np.mean(np.diff(above))), 0.2, rel_tol=0.05)
+    assert math.isclose(disc[-1], 1.0, abs_tol=1e-2)
