@@ -1,0 +1,49 @@
+"""The guide's example, installed as a user's package would be, is found, kept and simulated."""
+
+import re
+from collections.abc import Iterator
+from importlib import invalidate_caches
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from usmbench.model.effects.base import Context, Effect
+from usmbench.model.effects.registry import find_effect, library
+from usmbench.model.extended import Applied, applied_effects, extended_run
+from usmbench.model.hammerstein import LinearPart
+
+GUIDE = Path(__file__).parents[4] / "docs" / "how-to" / "add-a-cause.md"
+
+
+@pytest.fixture
+def effect(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Effect]:
+    example = re.search(r"```python\n(.*?)```", GUIDE.read_text("utf-8"), re.DOTALL)
+    registered = re.search(r"```text\n(.*?)```", GUIDE.read_text("utf-8"), re.DOTALL)
+    assert example is not None
+    assert registered is not None
+    assert len(example[1].splitlines()) <= 35
+    (tmp_path / "my_bench").mkdir()
+    (tmp_path / "my_bench" / "__init__.py").write_text("", "utf-8")
+    (tmp_path / "my_bench" / "brake_left_on.py").write_text(example[1], "utf-8")
+    info = tmp_path / "my_bench-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: my-bench\nVersion: 1.0\n", "utf-8")
+    section, line = registered[1].strip().splitlines()
+    group = section.removeprefix('[project.entry-points."').removesuffix('"]')
+    (info / "entry_points.txt").write_text(f"[{group}]\n{line.replace(chr(34), '')}\n", "utf-8")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    invalidate_caches()
+    library.cache_clear()
+    yield find_effect("brake_left_on", "")
+    library.cache_clear()
+
+
+def test_the_example_is_found_kept_and_simulated(effect: Effect) -> None:
+    applied = Applied(effect, {"slowed_by": 0.5, "until_s": 0.105})
+    assert applied_effects([applied.to_mapping()]) == (applied,)
+    linear = LinearPart(np.empty(0), np.array([1.0]), 0, 0.01)
+    context = Context(0.01 * np.arange(1.0, 21.0), 0.01, np.full(20, 8.0), lambda p: p, linear)
+    speed = extended_run([applied], context).speed_rad_s
+    assert np.allclose(speed, np.r_[np.full(10, 4.0), np.full(10, 8.0)])
+    assert effect.grid([context])["until_s"].size == 19
