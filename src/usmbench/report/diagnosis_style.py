@@ -67,6 +67,7 @@ th, td { text-align: left; padding: 7px 10px 7px 0; border-bottom: 1px solid var
   vertical-align: top; }
 th { color: var(--muted); font-weight: 600; font-size: .86rem; }
 td.figure, th.figure { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+td:first-child { min-width: 11rem; }
 tr.named td { font-weight: 600; }
 tr.named td .how { font-weight: 400; }
 .tag { display: inline-block; border: 1px solid currentColor; border-radius: 10px; padding: 0 8px;
@@ -92,6 +93,7 @@ code { font: .92em ui-monospace, "Liberation Mono", monospace; }
   .figures { grid-template-columns: 1fr 1fr; }
   thead { display: none; }
   tr { display: block; padding: 8px 0; border-bottom: 1px solid var(--rule); }
+  td:first-child { min-width: 0; }
   td, td.figure { display: grid; grid-template-columns: 38% 1fr; gap: 10px; border: 0;
     padding: 2px 0; text-align: left; white-space: normal; }
   td::before { content: attr(data-label); color: var(--muted); font-weight: 400;

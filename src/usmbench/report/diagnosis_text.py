@@ -13,6 +13,7 @@ HEADLINES = {
 }
 _SMALLEST_P = 1e-4
 _MOST_DECIMALS = 6
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _UNITS = {"1": "", "deg": "°"}
 # How a name ends in its unit, where it is not the unit as it is written.
 _ENDINGS = {"rad/s": "_rad_s", "N·m": "_nm", "1/s": "_hz", "Hz": "_hz", "°C": "_c", "%": "_percent"}
@@ -52,7 +53,7 @@ def number(value: float | None, digits: int = 3) -> str:
         text = f"{value:.0f}"
     mantissa, _, exponent = text.partition("e")
     mantissa = mantissa.replace("-", "−")
-    return f"{mantissa}·10^{int(exponent)}".replace("^-", "^−") if exponent else mantissa
+    return f"{mantissa}·10{str(int(exponent)).translate(_RAISED)}" if exponent else mantissa
 
 
 def percent(share: float) -> str:
