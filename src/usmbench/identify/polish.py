@@ -25,7 +25,7 @@ from usmbench.model.linear import free_run, from_rest
 Array = NDArray[np.float64]
 
 _MAX_PASSES = 8
-_CLOSE = 0.01  # squared distance to the minimum, in standard deviations of the estimates
+_CLOSE = 0.1  # squared distance to the minimum, in standard deviations, over all estimates
 _FIRST_SHARE = 0.01  # of a squared distance that the first step may leave
 
 
@@ -67,8 +67,8 @@ def polished(
     Returns
     -------
     Polished
-        Estimates within a tenth of a standard deviation of the minimum; where the steps do not
-        shrink, those of the last that did.
+        Estimates that all together are within a third of a standard deviation of the minimum;
+        where the steps do not shrink, those of the last that did.
     """
     fit = search.problem.fit
     here = Polished(fit.parameters, fit.dynamics, fit.delta)

@@ -4,11 +4,19 @@ All terms of a Bernstein sum are products of non-negative factors; nothing is ex
 of x, where a degree of 18 would lose eight digits.
 """
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import comb
 
 Array = NDArray[np.float64]
+
+
+@lru_cache(maxsize=64)
+def _binomials(degree: int) -> tuple[float, ...]:
+    """All C(d, j) of a degree."""
+    return tuple(float(comb(degree, j, exact=True)) for j in range(degree + 1))
 
 
 def bernstein_basis(x: Array, degree: int) -> Array:
@@ -28,10 +36,11 @@ def bernstein_basis(x: Array, degree: int) -> Array:
         Ahmadi (2011). Column-contiguous, as the least-squares routines want it.
     """
     basis = np.empty((x.size, degree + 1), order="F")
+    binomials = _binomials(degree)
     rest = 1.0 - x
     power = np.ones_like(x)
     for j in range(degree + 1):
-        np.multiply(power, comb(degree, j, exact=True), out=basis[:, j])
+        np.multiply(power, binomials[j], out=basis[:, j])
         power *= x
     power[:] = 1.0
     for j in range(degree, -1, -1):
@@ -59,11 +68,12 @@ def bezier_value(x: Array, coefficients: Array) -> Array:
     degree = coefficients.size - 1
     if degree == 0:
         return np.full_like(x, coefficients[0])
+    binomials = _binomials(degree)
     rest = 1.0 - x
     total: Array = rest * coefficients[0]
     power = x.copy()
     for j in range(1, degree):
-        total += power * (comb(degree, j, exact=True) * coefficients[j])
+        total += power * (binomials[j] * coefficients[j])
         total *= rest
         power *= x
     total += power * coefficients[degree]

@@ -1,5 +1,7 @@
 """From a phase to the abscissa of the Bézier curve: the exact inverse of a rising polynomial."""
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -72,14 +74,22 @@ def bezier_abscissa(phase_deg: Array, knots_deg: Array) -> Array:
             f"is outside the knots {knots_deg[0]:g}…{knots_deg[-1]:g}°; give knots that span the "
             "data"
         )
-    nodes = np.linspace(0.0, 1.0, _TABLE_CELLS + 1)
-    table_deg = bezier_value(nodes, knots_deg)
-    table_deg[0], table_deg[-1] = knots_deg[0], knots_deg[-1]
+    nodes, table_deg = _table(tuple(knots_deg.tolist()))
     x = np.empty(phase_deg.shape)
     for start in range(0, phase_deg.size, _BLOCK):
         block = slice(start, start + _BLOCK)
         x[block] = _solve(phase_deg[block], knots_deg, nodes, table_deg)
     return x
+
+
+@lru_cache(maxsize=64)
+def _table(knots: tuple[float, ...]) -> tuple[Array, Array]:
+    """Abscissas and phases to start from; the same knots come again and again."""
+    knots_deg = np.array(knots)
+    nodes = np.linspace(0.0, 1.0, _TABLE_CELLS + 1)
+    table_deg = bezier_value(nodes, knots_deg)
+    table_deg[0], table_deg[-1] = knots_deg[0], knots_deg[-1]
+    return nodes, table_deg
 
 
 def _solve(phase_deg: Array, knots_deg: Array, nodes: Array, table_deg: Array) -> Array:
