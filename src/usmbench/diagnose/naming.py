@@ -14,8 +14,8 @@ SIGNIFICANT = 0.01  # family-wise; with the omnibus test beside it, false alarms
 _REFINED = 8
 _SAME = 0.5
 _TELLING = 9.2  # deviance between two causes that data can tell: 99 % of chi-squared with two
-# Share of the evidence within which what else the model misses decides, and not the cause: with 0.02
-# a delay in a triangle came out as hysteresis alone (benchmarks/next_experiment.py).
+# Share of the evidence within which what else the model misses decides, and not the cause: with
+# 0.02 a delay in a triangle came out as hysteresis alone (benchmarks/next_experiment.py).
 _SIMILAR = 0.05
 _SECOND_SHARE = 0.03
 _SECOND_LEAST = 20.0

@@ -123,6 +123,9 @@ def propose(
         return None
     design = _Design(question, records, model)
     before = _odds(design.margin(None))
+    if None not in question.rivals:
+        # These runs did not tell them apart, whatever the simulation promised: a guess is left.
+        before = min(before, 1.0 / len(question.rivals))
     best, margin = max(
         ((experiment, design.margin(experiment)) for experiment in menu(where)),
         key=lambda pair: pair[1],
