@@ -4,7 +4,8 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from usmbench.bluesky.devices import Encoder, Frequency, Phase, Windows
+from usmbench.bluesky.encoder import Encoder, Windows
+from usmbench.bluesky.knobs import Frequency, Phase
 from usmbench.bluesky.loop import BenchLoop
 from usmbench.bluesky.signals import Signal
 from usmbench.cli.bench_session import Bench, open_bench

@@ -4,6 +4,7 @@ A file can only ever stop the run whose folder it lies in; a signal to a recorde
 reach whatever has that id by now.
 """
 
+import os
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -30,8 +31,10 @@ def request_stop(folder: Path) -> None:
         The request cannot be written.
     """
     path = folder / STOP_FILE
+    # Never through a link that somebody else has laid: the request stays in its folder.
+    flags = os.O_WRONLY | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
     try:
-        path.touch()
+        os.close(os.open(path, flags, 0o644))
     except OSError as error:
         raise InputError(
             f"the stop request cannot be written: {error.strerror}; press Ctrl-C where the sweep "

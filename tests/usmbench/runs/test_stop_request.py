@@ -40,3 +40,11 @@ def test_it_looks_at_most_four_times_a_second(tmp_path: Path) -> None:
 def test_a_request_that_cannot_be_written_names_another_way(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=f"{STOP_FILE}: .*cut the power"):
         request_stop(tmp_path / "absent")
+
+
+def test_a_request_never_leaves_its_folder(tmp_path: Path) -> None:
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / STOP_FILE).symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(InputError):
+        request_stop(tmp_path / "run")
+    assert not (tmp_path / "elsewhere").exists()
