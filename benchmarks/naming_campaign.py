@@ -54,37 +54,43 @@ class Campaign:
     reference_s: float = REFERENCE_S
 
 
-def work(campaign: Campaign, number: int) -> list[str]:
-    """Identify one motor and diagnose its draws; return the record's lines."""
+def work(campaign: Campaign, number: int) -> Iterator[str]:
+    """Identify one motor, diagnose its draws, yield a line of the record for each."""
     motor = motor_of(campaign.seed, number, campaign.wanders)
-    lines: list[str] = []
     with tempfile.TemporaryDirectory() as folder:
         runs = campaign.runs or Path(folder) / "runs"
         runs.mkdir(exist_ok=True)
-        try:
-            bench = MotorBench(runs, Path(folder), motor, campaign.reference_s)
-            drawn = draws(
-                campaign.seed, number, campaign.n_draws, campaign.n_wire, campaign.strengths
-            )
-            lines.extend(bench.diagnosed(draw).line() for draw in drawn)
-        except (UsmbenchError, RuntimeError, ArithmeticError, ValueError):
-            # One broken motor must not end an hour's campaign; the table counts its draws as gone.
-            traceback.print_exc()
+        bench = MotorBench(runs, Path(folder), motor, campaign.reference_s)
+        for draw in draws(
+            campaign.seed, number, campaign.n_draws, campaign.n_wire, campaign.strengths
+        ):
+            yield bench.diagnosed(draw).line()
+
+
+def whole(campaign: Campaign, number: int) -> list[str]:
+    """Return the record of a motor, or what there is of it where it breaks off."""
+    lines: list[str] = []
+    try:
+        lines.extend(work(campaign, number))
+    except (UsmbenchError, RuntimeError, ArithmeticError, ValueError):
+        # One broken motor must not end an hour's campaign; the table counts its draws as gone.
+        traceback.print_exc()
     return lines
 
 
 def run(campaign: Campaign, motors: range, processes: int, minutes: float) -> Iterator[str]:
-    """Yield the record, motor by motor, until all are done or the time is over."""
+    """Yield the record until all motors are done or the time is over."""
     ends_s = time.monotonic() + 60.0 * minutes
     if processes == 1:
         for number in motors:
-            yield from work(campaign, number)
-            if time.monotonic() > ends_s:
-                return
+            for line in work(campaign, number):
+                yield line
+                if time.monotonic() > ends_s:
+                    return
         return
     context = multiprocessing.get_context("spawn")
     with context.Pool(processes, maxtasksperchild=4) as pool:
-        for lines in pool.imap_unordered(partial(work, campaign), motors):
+        for lines in pool.imap_unordered(partial(whole, campaign), motors):
             yield from lines
             if time.monotonic() > ends_s:
                 return
@@ -101,7 +107,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--through-wire", type=int, default=2, help="draws a motor over pty, gRPC")
     parser.add_argument("--wanders", type=float, nargs="+", default=list(WANDERS))
     parser.add_argument("--strengths", type=float, nargs="+", default=list(STRENGTHS))
-    parser.add_argument("--minutes", type=float, default=120.0, help="no new motor after that")
+    parser.add_argument("--minutes", type=float, default=120.0, help="end after that")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--runs", type=Path, help="folder that keeps the runs")
     parser.add_argument("--out", type=Path, help="write one JSON object a draw to this file")
