@@ -23,8 +23,9 @@ def lag_and_delay_s(linear: LinearPart, window_s: float) -> tuple[float, float] 
         Duration of a window.
     """
     tau_s, delay_s = time_constant_s(linear), dead_time_s(linear)
-    if tau_s is None or delay_s is None or delay_s < 0.0:
+    if tau_s is None or delay_s is None or delay_s < -_SAME * window_s:
         return None
+    delay_s = max(delay_s, 0.0)
     same = first_order(tau_s, delay_s, window_s)
     n = 4 + same.dead_time_windows + same.b.size + linear.dead_time_windows + linear.b.size
     near = np.max(np.abs(_padded(linear, n) - _padded(same, n))) < _SAME
