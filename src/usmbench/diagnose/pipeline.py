@@ -40,6 +40,8 @@ from usmbench.runs.record import Record
 Array = NDArray[np.float64]
 
 _MOST_POINTS = 3000
+# What has no name is a finding only from half the noise's rms on; a name must earn its own place.
+_LEAST_EXCESS = 0.25
 
 
 def diagnose(records: Sequence[Record], model: HammersteinModel) -> Diagnosis:
@@ -69,17 +71,33 @@ def diagnose(records: Sequence[Record], model: HammersteinModel) -> Diagnosis:
             refused[name] = reason
     found = search(stretches, known, own, [e for e in testable if not e.sporadic])
     glitches = find_glitches(found.problem, found.left_rad_s)
-    says = _verdict(found, glitches)
+    gap = memory_windows(model.linear) + 5
+    if found.named and _held_out(found, found.fit, gap).low <= 0.0:
+        found = replace(found, named=[], fit=Fit((), 0.0, 0.0), after=found.before)
+    says = _verdict(found, glitches, gap)
     return _report(found, glitches, says, model, testable, tuple(refused.items()), tuple(warnings))
 
 
-def _verdict(found: Found, glitches: Glitches | None) -> Verdict:
+def _verdict(found: Found, glitches: Glitches | None, gap: int) -> Verdict:
     """Say whether what is named may stand."""
-    if not found.named:
-        if glitches is not None:
-            return "explained" if found.before.p_value > 1e-3 else "partly_explained"
-        return "no_discrepancy" if found.before.p_value > SIGNIFICANT else "unexplained"
-    return verdict(found.before, found.after, found.fit.statistic)  # type: ignore[return-value]
+    if found.named:
+        return verdict(found.before, found.after, found.fit.statistic)  # type: ignore[return-value]
+    if glitches is not None:
+        return "explained" if found.before.p_value > 1e-3 else "partly_explained"
+    if found.before.p_value > SIGNIFICANT:
+        return "no_discrepancy"
+    plain = _held_out(found, found.fit, gap)
+    above = plain.rmse_simulation_rad_s**2 - plain.noise_floor_rad_s**2
+    return "unexplained" if above > _LEAST_EXCESS * plain.noise_floor_rad_s**2 else "no_discrepancy"
+
+
+def _held_out(found: Found, fit: Fit, gap: int) -> Gain:
+    """Score a fit on blocks it has not seen, all rows counted."""
+    stretches = found.problem.stretches
+    held = held_out_residual(found.problem, fit, gap)
+    return score(
+        found.problem, held, [s.use for s in stretches], [s.residual_rad_s for s in stretches]
+    )
 
 
 def _report(
