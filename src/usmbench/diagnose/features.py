@@ -12,6 +12,8 @@ time      the speed, times a hat over time: the motor warms in every run
 heat      the speed, times the power it has taken so far: and warms by how it is driven
 lag k     the step, k windows after it, times hats over the speeds it leads from and to
 edge      what a wider dead zone changes, times a hat over time: it widens as the motor warms
+start     a speed lost near standstill, after each kind of step, and a dead zone that is wider
+          outward bound: a rotor sticks
 angle     the speed, times a wave once and twice a revolution
 ========= ==========================================================================
 """
@@ -23,7 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.noise import LAGS
+from usmbench.diagnose.noise import KINDS, LAGS, step_kind
 from usmbench.diagnose.stretches import Stretch
 from usmbench.model.linear import from_rest
 
@@ -32,8 +34,19 @@ Array = NDArray[np.float64]
 _PHASE_NODES, _TIME_NODES, _EDGE_NODES = 37, 8, 4
 _TABLE = 2001
 _CELLS = (7, 5, 3, 2, 2, 2)  # nodes along each speed at each lag
+_CREEP = (0.01, 0.03)  # speeds near standstill, as shares of the highest
 _REACH = 0.25  # share of the known time by which a line in time is carried on
-GROUPS = ("phase", "direction", "time", "heat", "edge", *(f"lag {k}" for k in range(LAGS)), "angle")
+_LAG_GROUPS = tuple(f"lag {k}" for k in range(LAGS))
+GROUPS = (
+    "phase",
+    "direction",
+    "time",
+    "heat",
+    "edge",
+    *_LAG_GROUPS,
+    "start",
+    "angle",
+)
 # Largest plausible share of each shape in a model that is right: standard deviations, as shares
 # of the highest speed (phase, direction), of the speed, or of the step.
 PRIOR = {
@@ -42,7 +55,8 @@ PRIOR = {
     "time": 5e-3,
     "heat": 2e-2,
     "edge": 0.2,
-    **dict.fromkeys((f"lag {k}" for k in range(LAGS)), 0.05),
+    **dict.fromkeys(_LAG_GROUPS, 0.05),
+    "start": 0.2,
     "angle": 2e-3,
 }
 
@@ -75,6 +89,7 @@ class Features:
             2,
             _EDGE_NODES - 1,
             *(n * n for n in _CELLS),
+            KINDS * len(_CREEP) + 1,
             4,
         ]
         return [g for g, n in zip(GROUPS, counts, strict=True) for _ in range(n)]
@@ -104,6 +119,8 @@ class Features:
         wider = widening(stretch)
         yield from (column * wider for column in self._over_time(stretch, _EDGE_NODES))
         yield from self._after_steps(stretch)
+        yield from self._near_standstill(stretch)
+        yield wider * stretch.direction * np.sign(stretch.context.phase_deg)
         angle_rad = stretch.context.angle_rad
         for harmonic in (1, 2):
             for wave in (np.cos, np.sin):
@@ -134,6 +151,14 @@ class Features:
             ends = list(hats(after, nodes))
             for start in hats(before, nodes):
                 yield from (step * start * end for end in ends)
+
+    def _near_standstill(self, stretch: Stretch) -> Iterator[Array]:
+        """Yield speeds lost near standstill, by the kind of the last step."""
+        settled = stretch.settled_rad_s
+        kind = step_kind(stretch)
+        for share in _CREEP:
+            lost = np.sign(settled) * np.exp(-np.abs(settled) / (share * self.top_rad_s))
+            yield from (lost * (kind == k) for k in range(KINDS))
 
     def combined(self, stretch: Stretch, coefficients: Array) -> Array:
         """Return the columns' sum with coefficients, shape (N,).
