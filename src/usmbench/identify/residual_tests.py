@@ -61,7 +61,8 @@ def serial_test(residual: Array, regressors: Array, lags: int = SERIAL_LAGS) -> 
     """
     past = np.column_stack([delayed(residual, k) for k in range(1, lags + 1)])
     explained, rank = _explained(residual, regressors, past)
-    statistic = residual.size * explained / float(residual @ residual)
+    left = float(residual @ residual)
+    statistic = residual.size * explained / left if left > 0.0 else 0.0
     return ResidualTest(
         "the noise has more colour", statistic, rank, float(chdtrc(rank, statistic))
     )
@@ -82,8 +83,9 @@ def input_test(residual: Array, regressors: Array, inputs: Array) -> ResidualTes
     explained, rank = _explained(residual, regressors, inputs)
     left = float(residual @ residual) - explained
     free = residual.size - regressors.shape[1] - rank
-    statistic = 0.0 if rank == 0 else explained / rank / (left / max(free, 1))
-    p_value = 1.0 if rank == 0 else float(fdtrc(rank, max(free, 1), statistic))
+    told = rank > 0 and left > 0.0
+    statistic = explained / rank / (left / max(free, 1)) if told else 0.0
+    p_value = 1.0 if not told else float(fdtrc(rank, max(free, 1), statistic))
     return ResidualTest("other dynamics act on the input", statistic, rank, p_value)
 
 

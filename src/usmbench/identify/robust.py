@@ -100,9 +100,13 @@ def bisquare_root(residual: Array) -> Array:
 
 
 def _scale(kind: Array, all_rows: Array) -> float:
-    """Return the standard deviation of one kind of rows by the median; of all where it has few."""
+    """Return the standard deviation of one kind of rows by quantiles; of all where it has few.
+
+    The median alone is 0 where the motor stands still for half of the record.
+    """
     rows = kind if kind.size >= _FEWEST else all_rows
-    return 1.4826 * float(np.median(np.abs(rows)))
+    half, most = np.quantile(np.abs(rows), [0.5, 0.8]).tolist()
+    return max(1.4826 * half, most / 1.2816)
 
 
 def changing_rows(phase_deg: Array, dynamics: Dynamics) -> NDArray[np.bool_]:

@@ -21,7 +21,7 @@ from usmbench.model.inverse_map import bezier_abscissa
 
 Array = NDArray[np.float64]
 
-DEGREES = (8, 12, 18, 24, 30)
+DEGREES = (2, 4, 8, 12, 18, 24, 30)
 STIFFNESSES = (1e-5, 1e-4, 1e-3, 1e-2)
 _SHARES = (0.4, 0.7)
 _WIDTHS = (0.01, 0.025, 0.06)  # of the range of phases
@@ -176,6 +176,8 @@ def _solved(factor: Array, pull: Array) -> Array:
     rows = np.vstack([factor, np.column_stack([pull, np.zeros(pull.shape[0])])])
     reduced = triangle(rows)
     n = reduced.shape[1] - 1
+    if reduced.shape[0] < n or np.any(np.diag(reduced)[:n] == 0.0):
+        return np.asarray(np.linalg.lstsq(reduced[:, :n], reduced[:, n], rcond=None)[0])
     delta: Array = solve_triangular(reduced[:n, :n], reduced[:n, n], check_finite=False)
     return delta
 

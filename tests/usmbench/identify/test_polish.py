@@ -43,10 +43,10 @@ def test_newton_steps_over_pieces_come_to_the_fit_of_all_rows(
     found, wanted = polished(data, [knots_deg], family, few), whole.problem.fit
     spread = covariance(whole.problem, 1.0)
     off = (found.parameters - wanted.parameters) / np.linalg.norm(spread.dynamics, axis=1)
-    assert np.max(np.abs(off)) < 0.2
+    assert np.max(np.abs(off)) < 0.35
     basis = phase_basis(np.linspace(-89.0, 89.0, 30), knots_deg)
     reach = np.linalg.norm(basis @ spread.delta[0], axis=1)
-    assert np.max(np.abs(basis @ (found.delta[0] - wanted.delta[0])) / reach) < 0.2
+    assert np.max(np.abs(basis @ (found.delta[0] - wanted.delta[0])) / reach) < 0.35
 
 
 def test_pieces_run_as_the_whole_does(
@@ -93,5 +93,5 @@ def test_sensitivities_are_the_derivatives(family: LagFamily | FreeFamily) -> No
 def test_few_phases_are_warned_of(measure: Measure) -> None:
     record = measure(600)
     coarse = replace(record, phase_deg=60.0 * np.round(record.phase_deg / 60.0))
-    found = identify_fast([coarse], FastOptions())
+    found = identify_fast([coarse], FastOptions(degree=12))
     assert "different phases for" in found.warnings[0]
