@@ -81,6 +81,8 @@ def diagnose(records: Sequence[Record], model: HammersteinModel) -> Diagnosis:
 def _verdict(found: Found, glitches: Glitches | None, gap: int) -> Verdict:
     """Say whether what is named may stand."""
     if found.named:
+        if found.grossly_left:
+            return "unexplained"
         return verdict(found.before, found.after, found.fit.statistic)  # type: ignore[return-value]
     if glitches is not None:
         return "explained" if found.before.p_value > 1e-3 else "partly_explained"

@@ -20,7 +20,7 @@ from usmbench.diagnose.naming import (
 from usmbench.diagnose.noise import estimate_noise
 from usmbench.diagnose.problem import Basis, Problem
 from usmbench.diagnose.spikes import spiked
-from usmbench.diagnose.stretches import Stretch
+from usmbench.diagnose.stretches import Mask, Stretch
 from usmbench.diagnose.views import omnibus
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
@@ -29,6 +29,9 @@ Array = NDArray[np.float64]
 
 _MOST_CAUSES = 3
 _HUBER = 2.5
+_MOST_ALONE = 0.05
+_GROSS = 4.0  # of the noise's mean square
+_GROSSLY_LEFT = 0.4
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +63,26 @@ class Found:
     after: Whole
 
     @property
+    def grossly_left(self) -> bool:
+        """Whether the residual stays far above the noise, and most of it stays."""
+        before, after = (
+            float(
+                np.mean(
+                    np.concatenate(
+                        [
+                            (r / self.problem.noise.level_rad_s(s))[mask] ** 2
+                            for r, s, mask in zip(
+                                left, self.problem.stretches, self.problem.masks, strict=True
+                            )
+                        ]
+                    )
+                )
+            )
+            for left in (self.problem.residual_rad_s, self.left_rad_s)
+        )
+        return after > _GROSS and after > _GROSSLY_LEFT * before
+
+    @property
     def left_rad_s(self) -> list[Array]:
         """Residual of each stretch with the named causes taken out, in rad/s."""
         return _left(self.problem, self.fit)
@@ -87,16 +110,14 @@ def search(
     residuals = [s.residual_rad_s for s in stretches]
     uses = [s.use for s in stretches]
     noise = known.noise or estimate_noise(stretches, residuals, uses)
-    far = spiked(stretches, residuals, noise, near_steps=False)
-    masks = [use & ~f for use, f in zip(uses, far, strict=True)]
+    masks = _without(uses, spiked(stretches, residuals, noise, near_steps=False))
     problem = Problem(stretches, known, noise, masks, own)
     ranked = rank(problem, effects, 1.0)
     best = ranked[0]
     left = _left(problem, best.fit if best.p_value < SIGNIFICANT else None)
     if known.noise is None:
         noise = estimate_noise(stretches, left, masks)
-    far = spiked(stretches, left, noise, near_steps=True)
-    masks = [use & ~f for use, f in zip(uses, far, strict=True)]
+    masks = _without(uses, spiked(stretches, left, noise, near_steps=True))
     weights = _weights(Problem(stretches, known, noise, masks, own), left)
     problem = Problem(stretches, known, noise, masks, own, weights)
     basis = omnibus(problem)["all"]
@@ -117,6 +138,14 @@ def search(
     before = whole_test(problem, basis, None, spread)
     after = whole_test(problem, basis, fit, spread)
     return Found(problem, spread, ranked, named, fit, before, after)
+
+
+def _without(uses: Sequence[Mask], far: Sequence[Mask]) -> list[Mask]:
+    """Leave out windows that stand alone, unless there are too many to be exceptions."""
+    hit = sum(int(np.count_nonzero(u & f)) for u, f in zip(uses, far, strict=True))
+    if hit > _MOST_ALONE * sum(int(np.count_nonzero(u)) for u in uses):
+        return list(uses)
+    return [use & ~f for use, f in zip(uses, far, strict=True)]
 
 
 def _weights(problem: Problem, left_rad_s: Sequence[Array]) -> list[Array]:

@@ -1,0 +1,145 @@
+"""A motor known to the last figure, an effect put into its runs, and what diagnose says."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from usmbench.diagnose.pipeline import diagnose
+from usmbench.diagnose.reference import with_knowledge
+from usmbench.errors import InputError
+from usmbench.identify.fast import FastOptions, identify_fast
+from usmbench.model.effects.base import Context
+from usmbench.model.effects.first_order import first_order
+from usmbench.model.effects.registry import find_effect
+from usmbench.model.extended import Applied, extended_run
+from usmbench.model.hammerstein import HammersteinModel, StaticCurve
+from usmbench.model.model_file import read_model, write_model
+from usmbench.runs.record import Record
+
+Array = NDArray[np.float64]
+WINDOW_S, NOISE_RAD_S = 0.01, 0.02
+CURVE = StaticCurve(
+    np.array([-90.0, -60, -30, -15, -8, -3, 3, 8, 15, 30, 60, 90]),
+    np.array([-10.3, -10.1, -8, 0, 0, 0, 0, 0, 0, 8, 10.2, 10.4]),
+)
+LINEAR = first_order(0.0035, 0.0015, WINDOW_S)
+
+
+def _measured(seed: int, *effects: Applied, n: int = 2000) -> Record:
+    rng = np.random.default_rng(seed)
+    phase_deg = np.repeat(rng.uniform(-88.0, 88.0, n // 5), 5)
+    phase_deg[:2], phase_deg[n // 2 : n // 2 + 2] = -89.0, 89.0
+    t_s = WINDOW_S * np.arange(1.0, n + 1.0)
+    context = Context(t_s, WINDOW_S, phase_deg, CURVE.speed_rad_s, LINEAR)
+    speed = extended_run(effects, context).speed_rad_s
+    noisy = speed + NOISE_RAD_S * rng.standard_normal(n)
+    return Record(f"run {seed}", t_s, phase_deg, noisy, np.full(n, WINDOW_S))
+
+
+def _applied(name: str, form: str, **values: float) -> Applied:
+    return Applied(find_effect(name, form), values)
+
+
+@pytest.fixture(scope="module")
+def model() -> HammersteinModel:
+    runs = [_measured(1), _measured(2)]
+    return with_knowledge(identify_fast(runs, FastOptions(12)).model, runs)
+
+
+def test_finds_nothing_where_nothing_is(model: HammersteinModel) -> None:
+    found = diagnose([_measured(5)], model)
+    assert found.verdict == "no_discrepancy"
+    assert found.causes == ()
+    assert found.extended == model
+    sizes = {d.cause: d.value for d in found.minimum_detectable}
+    assert sizes["gain_asymmetry"] is not None
+    assert 0.0 < sizes["gain_asymmetry"] < 0.05
+
+
+@pytest.mark.parametrize(
+    ("hidden", "parameter"),
+    [
+        (_applied("gain_asymmetry", "balanced", asymmetry=0.04), "asymmetry"),
+        (_applied("transport_delay", "", delay_s=0.004), "delay_s"),
+        (_applied("load_torque", "weight", one_sided_rad_s=0.1), "one_sided_rad_s"),
+        (_applied("unsigned_counts", ""), None),
+    ],
+    ids=lambda value: value.effect.name if isinstance(value, Applied) else "",
+)
+def test_names_what_was_hidden(
+    model: HammersteinModel, hidden: Applied, parameter: str | None
+) -> None:
+    found = diagnose([_measured(7, hidden)], model)
+    first = found.causes[0]
+    assert hidden.effect.name in {first.name, *first.alternatives}
+    assert found.verdict in {"explained", "partly_explained"}
+    assert found.gain > 0.6
+    assert len(found.extended.effects) >= 1
+    if parameter is not None and first.name == hidden.effect.name:
+        sizes = {p.name: p for p in first.parameters}
+        if parameter in sizes:
+            assert sizes[parameter].value == pytest.approx(hidden.values[parameter], rel=0.3)
+
+
+def test_says_so_where_no_cause_fits(model: HammersteinModel) -> None:
+    record = _measured(9)
+    # Every third second the shaft runs backwards against its commands: nothing does that.
+    odd = np.where(np.floor(record.t_s) % 3 == 0, -0.4, 0.9) * record.speed_rad_s
+    found = diagnose([replace(record, speed_rad_s=odd)], model)
+    assert found.verdict in {"unexplained", "partly_explained"}
+    assert found.remainder is not None
+
+
+def test_the_same_runs_give_the_same_words(model: HammersteinModel) -> None:
+    record = _measured(11, _applied("speed_scale", "", scale_error=0.01))
+    assert diagnose([record], model).to_json() == diagnose([record], model).to_json()
+
+
+def test_what_is_known_comes_back_from_the_model_file(
+    model: HammersteinModel, tmp_path: Path
+) -> None:
+    write_model(tmp_path / "model.yaml", model)
+    again = read_model(tmp_path / "model.yaml")
+    assert again.residual["diagnosis"] == model.residual["diagnosis"]
+
+
+class TestBadInput:
+    def test_runs_of_two_motors(self, model: HammersteinModel) -> None:
+        one, two = (replace(_measured(k, n=500), meta={"motor": f"motor {k}"}) for k in (1, 2))
+        with pytest.raises(InputError, match="do not belong together"):
+            diagnose([one, two], model)
+
+    def test_a_run_too_short(self, model: HammersteinModel) -> None:
+        with pytest.raises(InputError, match="measure at least"):
+            diagnose([_measured(3, n=40)], model)
+
+    def test_a_speed_that_is_no_number(self, model: HammersteinModel) -> None:
+        record = _measured(3, n=500)
+        record.speed_rad_s[17] = np.nan
+        with pytest.raises(InputError, match="row 17 is no number"):
+            diagnose([record], model)
+
+    def test_a_run_outside_the_model(self, model: HammersteinModel) -> None:
+        record = _measured(3, n=500)
+        with pytest.raises(InputError, match="outside"):
+            diagnose([replace(record, phase_deg=record.phase_deg + 150.0)], model)
+
+    def test_other_windows(self, model: HammersteinModel) -> None:
+        record = _measured(3, n=500)
+        slow = replace(record, window_s=2.0 * record.window_s, t_s=2.0 * record.t_s)
+        with pytest.raises(InputError, match="windows of 20 ms"):
+            diagnose([slow], model)
+
+    def test_a_shaft_that_hardly_turns_cannot_show_the_disc(self, model: HammersteinModel) -> None:
+        record = _measured(3, n=500)
+        still = replace(record, phase_deg=np.zeros(500), speed_rad_s=np.zeros(500))
+        found = diagnose([still], model)
+        assert "encoder_eccentricity" in dict(found.not_testable)
+
+    def test_damaged_knowledge(self, model: HammersteinModel) -> None:
+        broken = replace(model, residual={"diagnosis": {"noise": 3}})
+        with pytest.raises(InputError, match="is damaged"):
+            diagnose([_measured(3, n=500)], broken)
