@@ -106,7 +106,7 @@ def _scale(kind: Array, all_rows: Array) -> float:
     """
     rows = kind if kind.size >= _FEWEST else all_rows
     half, most = np.quantile(np.abs(rows), [0.5, 0.8]).tolist()
-    return max(1.4826 * half, most / 1.2816)
+    return max(1.4826 * float(half), float(most) / 1.2816)
 
 
 def changing_rows(phase_deg: Array, dynamics: Dynamics) -> NDArray[np.bool_]:
