@@ -1,4 +1,4 @@
-"""The small version: a delay that a triangle cannot tell from hysteresis is named after one run."""
+"""The small version: a delay in a triangle is named alone in the end, never wrongly."""
 
 import importlib.util
 import sys
@@ -21,8 +21,9 @@ def test_the_proposed_experiment_decides_between_delay_and_hysteresis(tmp_path: 
     phases_deg = [dwell.phase_deg for dwell in schedule(benchmark.triangle(), 0.01)]
     steps_deg = {round(abs(b - a), 6) for a, b in pairwise(phases_deg)}
     assert len(steps_deg) == 1
-    first, *_, last = benchmark.Motor(tmp_path, 1).decided(parse_defect("command_queue=40"))
-    assert {"transport_delay", "dead_zone_hysteresis"} <= set(first.named[0])
-    assert "Odds" in first.proposal
-    assert last.named[0] == ("transport_delay",)
-    assert last.proposal == ""
+    steps = list(benchmark.Motor(tmp_path, 1).decided(parse_defect("command_queue=40")))
+    for step in steps[:-1]:
+        assert "transport_delay" in step.named[0]
+        assert len(step.named[0]) > 1
+        assert "Odds" in step.proposal
+    assert steps[-1].named[0] == ("transport_delay",)
