@@ -109,7 +109,7 @@ def test_a_model_keeps_to_its_schema(tmp_path: Path) -> None:
     document = yaml.safe_load(file.read_text(encoding="utf-8"))
     schema = json.loads(schema_path("model").read_text(encoding="utf-8"))
     assert set(document) == set(schema["properties"])
-    assert set(document["points"][0]) == set(schema["properties"]["points"]["items"]["properties"])
+    assert set(document["points"][0]) == set(schema["$defs"]["point"]["properties"])
     assert set(document["linear"]) == set(schema["properties"]["linear"]["properties"])
 
 
