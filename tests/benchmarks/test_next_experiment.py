@@ -21,7 +21,7 @@ def test_the_proposed_experiment_decides_between_delay_and_hysteresis(tmp_path: 
     phases_deg = [dwell.phase_deg for dwell in schedule(benchmark.triangle(), 0.01)]
     steps_deg = {round(abs(b - a), 6) for a, b in pairwise(phases_deg)}
     assert len(steps_deg) == 1
-    steps = list(benchmark.Motor(tmp_path, 1).decided(parse_defect("command_queue=40")))
+    steps = list(benchmark.Motor(tmp_path, 1).decided(parse_defect("command_queue=80")))
     for step in steps[:-1]:
         assert "transport_delay" in step.named[0]
         assert len(step.named[0]) > 1
