@@ -184,8 +184,7 @@ def _between(groups: Sequence[str], grams: Array, slopes: Array) -> Array:
             sums[1] += float(np.sum(block[at] ** 2))
     for g, (excess, scale) in above.items():
         extra[names == g] = np.sqrt(max(excess, 0.0) / scale) if scale > 0.0 else 0.0
-    # A short run's folds see too little of it: what is plausible at all is the most there may be.
-    return np.minimum(extra, 1.0)
+    return extra
 
 
 def _repeatability(runs: Array) -> tuple[float, float]:
