@@ -39,18 +39,57 @@ class Gain:
     high: float
 
 
-def held_out_residual(problem: Problem, fit: Fit, gap: int) -> list[Array]:
-    """Return the residual with effects whose values come from the other blocks.
+def held_out_gain(
+    problem: Problem, fit: Fit, gap: int, after_masks: Sequence[Mask] | None = None
+) -> Gain:
+    """Score effects on blocks that their values were not fitted on, beside the model as given.
 
     Parameters
     ----------
     problem
         The problem.
     fit
-        The effects at their values on all rows.
+        The effects at their values on all rows; none scores the model against itself.
     gap
         Windows left out of the fit beside the blocks that are held out.
+    after_masks
+        Rows on which the extension is scored, where it calls the others false counts; None for
+        every row in use.
     """
+    sums = []
+    held = _held_out_residual(problem, fit, gap)
+    masks = [s.use for s in problem.stretches] if after_masks is None else after_masks
+    parts = zip(problem.stretches, held, masks, _blocks(problem), strict=True)
+    for stretch, after, mask, block in parts:
+        use = stretch.use
+        scored = use & mask
+        sums.append(
+            np.array(
+                [
+                    np.bincount(block[rows], weights=values[rows], minlength=_BLOCKS)
+                    for rows, values in (
+                        (use, stretch.residual_rad_s**2),
+                        (scored, after**2),
+                        (use, problem.noise.level_rad_s(stretch) ** 2),
+                        (use, np.ones(use.size)),
+                        (scored, np.ones(use.size)),
+                    )
+                ]
+            )
+        )
+    table = np.concatenate(sums, axis=1)
+    table = table[:, table[3] > 0]
+    ms, value = _shares(table)
+    draw = np.random.default_rng(_SEED)
+    n = table.shape[1]
+    values = [_shares(table[:, draw.integers(0, n, n)])[1] for _ in range(_DRAWS)]
+    low, high = (float(q) for q in np.quantile(values, [0.025, 0.975]))
+    before, after_rms, floor = (float(root) for root in np.sqrt(ms))
+    return Gain(before, after_rms, floor, value, min(low, value), max(high, value))
+
+
+def _held_out_residual(problem: Problem, fit: Fit, gap: int) -> list[Array]:
+    """Residual with effects whose values come from the other blocks."""
     held = [s.residual_rad_s for s in problem.stretches]
     if not fit.effects:
         return held
@@ -65,54 +104,6 @@ def held_out_residual(problem: Problem, fit: Fit, gap: int) -> list[Array]:
             rows = blocks[k] % _FOLDS == fold
             held[k][rows] -= change[rows]
     return held
-
-
-def score(
-    problem: Problem, held: Sequence[Array], after_masks: Sequence[Mask], before: Sequence[Array]
-) -> Gain:
-    """Compare held-out residuals with those of the model as given.
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    held
-        Residual with the extension, by stretch.
-    after_masks
-        Rows on which the extension is scored: those it calls false counts are left out.
-    before
-        Residual of the model as given.
-    """
-    sums = []
-    parts = zip(problem.stretches, held, before, after_masks, _blocks(problem), strict=True)
-    for stretch, after, plain, mask, block in parts:
-        noise = problem.noise.level_rad_s(stretch) ** 2
-        use = stretch.use
-        sums.append(
-            np.array(
-                [
-                    np.bincount(block[rows], weights=values[rows], minlength=_BLOCKS)
-                    for rows, values in (
-                        (use, plain**2),
-                        (use & mask, after**2),
-                        (use, noise),
-                        (use, np.ones(use.size)),
-                        (use & mask, np.ones(use.size)),
-                    )
-                ]
-            )
-        )
-    table = np.concatenate(sums, axis=1)
-    table = table[:, table[3] > 0]
-    ms, value = _shares(table)
-    draw = np.random.default_rng(_SEED)
-    n = table.shape[1]
-    values = [_shares(table[:, draw.integers(0, n, n)])[1] for _ in range(_DRAWS)]
-    low, high = (float(q) for q in np.quantile(values, [0.025, 0.975]))
-    root = np.sqrt(ms)
-    return Gain(
-        float(root[0]), float(root[1]), float(root[2]), value, min(low, value), max(high, value)
-    )
 
 
 def _shares(table: Array) -> tuple[Array, float]:

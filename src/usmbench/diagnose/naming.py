@@ -8,6 +8,7 @@ from scipy.stats import chi2
 
 from usmbench.diagnose.fitting import Fit, fit_effect, refine, sharpen
 from usmbench.diagnose.problem import Basis, Problem
+from usmbench.diagnose.result import Verdict
 from usmbench.model.effects.base import Effect
 
 SIGNIFICANT = 0.01  # family-wise; with the omnibus test beside it, false alarms stay below 5 %
@@ -170,7 +171,7 @@ def whole_test(problem: Problem, basis: Basis, effects: Fit | None, spread: floa
     return Whole(max(square - rank_, 0.0), float(chi2.sf(square, rank_)))
 
 
-def verdict(before: Whole, after: Whole, statistic: float) -> str:
+def verdict(before: Whole, after: Whole, statistic: float) -> Verdict:
     """Return the verdict on named causes.
 
     Parameters

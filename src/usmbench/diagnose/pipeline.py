@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.detectable import smallest_sizes
 from usmbench.diagnose.fitting import Fit, intervals
-from usmbench.diagnose.gain import Gain, held_out_residual, score
+from usmbench.diagnose.gain import Gain, held_out_gain
 from usmbench.diagnose.glitches import Glitches, find_glitches
 from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.naming import (
@@ -70,10 +70,10 @@ def diagnose(records: Sequence[Record], model: HammersteinModel) -> Diagnosis:
         if reason is not None and all(e.name != name for e in testable):
             refused[name] = reason
     found = search(stretches, known, own, [e for e in testable if not e.sporadic])
-    glitches = find_glitches(found.problem, found.left_rad_s)
     gap = memory_windows(model.linear) + 5
-    if found.named and _held_out(found, found.fit, gap).low <= 0.0:
+    if found.named and held_out_gain(found.problem, found.fit, gap).low <= 0.0:
         found = replace(found, named=[], fit=Fit((), 0.0, 0.0), after=found.before)
+    glitches = find_glitches(found.problem, found.left_rad_s)
     says = _verdict(found, glitches, gap)
     return _report(found, glitches, says, model, testable, tuple(refused.items()), tuple(warnings))
 
@@ -83,23 +83,14 @@ def _verdict(found: Found, glitches: Glitches | None, gap: int) -> Verdict:
     if found.named:
         if found.grossly_left:
             return "unexplained"
-        return verdict(found.before, found.after, found.fit.statistic)  # type: ignore[return-value]
+        return verdict(found.before, found.after, found.fit.statistic)
     if glitches is not None:
         return "explained" if found.before.p_value > 1e-3 else "partly_explained"
     if found.before.p_value > SIGNIFICANT:
         return "no_discrepancy"
-    plain = _held_out(found, found.fit, gap)
+    plain = held_out_gain(found.problem, found.fit, gap)
     above = plain.rmse_simulation_rad_s**2 - plain.noise_floor_rad_s**2
     return "unexplained" if above > _LEAST_EXCESS * plain.noise_floor_rad_s**2 else "no_discrepancy"
-
-
-def _held_out(found: Found, fit: Fit, gap: int) -> Gain:
-    """Score a fit on blocks it has not seen, all rows counted."""
-    stretches = found.problem.stretches
-    held = held_out_residual(found.problem, fit, gap)
-    return score(
-        found.problem, held, [s.use for s in stretches], [s.residual_rad_s for s in stretches]
-    )
 
 
 def _report(
@@ -113,7 +104,6 @@ def _report(
 ) -> Diagnosis:
     """Put everything together."""
     problem = found.problem
-    plain = [s.residual_rad_s for s in problem.stretches]
     named = found.named if says in ("explained", "partly_explained") else []
     fit = found.fit if named else Fit((), 0.0, 0.0)
     glitches = glitches if says in ("explained", "partly_explained") else None
@@ -123,9 +113,7 @@ def _report(
     )
     left = found.left_rad_s if named else problem.residual_rad_s
     gap = memory_windows(model.linear) + 5
-    held = held_out_residual(problem, fit, gap)
-    after_masks = problem.masks if glitches is not None else [s.use for s in problem.stretches]
-    gain = score(problem, held, after_masks, plain)
+    gain = held_out_gain(problem, fit, gap, None if glitches is None else problem.masks)
     causes = [] if not named else _causes(found, named, fit, gain, gap)
     if glitches is not None:
         causes.append(glitches.named)
@@ -163,13 +151,7 @@ def _causes(
         share = gain.gain
         if len(named) > 1:
             rest = Fit(tuple(a for i, a in enumerate(fit.effects) if i != k), 0.0, 0.0)
-            without = held_out_residual(problem, rest, gap)
-            uses = [s.use for s in problem.stretches]
-            share = max(
-                gain.gain
-                - score(problem, without, uses, [s.residual_rad_s for s in problem.stretches]).gain,
-                0.0,
-            )
+            share = max(gain.gain - held_out_gain(problem, rest, gap).gain, 0.0)
         effect = applied.effect
         causes.append(
             NamedCause(
