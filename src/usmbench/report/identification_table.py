@@ -31,9 +31,11 @@ def identification_table(found: Identification) -> str:
     own = model.intervals.get("points") or [{}] * len(model.points)
     for point, score, intervals in zip(model.points, found.scores, own, strict=True):
         lines += ["", *_point(point, score, intervals)]
+    if found.tests:
+        lines += ["", "still in the residual"]
     for test in found.tests:
         verdict = f"yes (p = {test.p_value:.2g})" if test.p_value < 0.01 else "not seen"
-        lines.append(_line(test.question, verdict))
+        lines.append(_line(f"  {verdict}", test.question))
     return "\n".join(lines)
 
 

@@ -1,3 +1,7 @@
+import os
+import subprocess
+import sys
+
 import pytest
 
 from usmbench import __version__
@@ -67,3 +71,20 @@ def test_ctrl_c_is_status_130(
 ) -> None:
     assert run_raising(KeyboardInterrupt(), monkeypatch) == STOPPED_BY_USER
     assert "stopped by the user" in capsys.readouterr().err
+
+
+def test_blas_threads_are_set_before_numpy_is_there() -> None:
+    code = """
+import os, sys
+from usmbench.cli import main
+assert "numpy" not in sys.modules
+main.main = lambda: int(os.environ["OPENBLAS_NUM_THREADS"])
+main.entry_point()
+"""
+    environment = {k: v for k, v in os.environ.items() if k != "OPENBLAS_NUM_THREADS"}
+    ended = subprocess.run([sys.executable, "-c", code], env=environment, check=False)
+    assert ended.returncode == 1
+    users = subprocess.run(
+        [sys.executable, "-c", code], env={**environment, "OPENBLAS_NUM_THREADS": "7"}, check=False
+    )
+    assert users.returncode == 7
