@@ -89,7 +89,7 @@ class WindowReader:
         self._last: _Window | None = None
 
     def read(self, settling: Settling | None) -> tuple[SampleBlock, WindowRow]:
-        """Return the next block and its row.
+        """Return the next block and its row; before it, give the board a sign of life where due.
 
         Parameters
         ----------
@@ -101,7 +101,12 @@ class WindowReader:
         ------
         usmbench.errors.DaqError
             The card has failed.
+        usmbench.errors.BenchError
+            The board does not answer.
         """
+        if self._last is not None:
+            # Not after the window: a command that follows it at once would wait on the line.
+            self._commands.keep_alive(self._last.end_sample, self._heartbeat_samples)
         block = self._source.next_block()
         self._encoder, motion = decode(self._encoder, block, self._geometry)
         end_sample = block.first_sample + len(block.counts)
@@ -127,7 +132,7 @@ class WindowReader:
         return block, row
 
     def watch(self, *, hands_off: bool) -> None:
-        """Hold the window read last against the interlocks, and give the board a sign of life.
+        """Hold the window read last against the interlocks.
 
         Parameters
         ----------
@@ -140,15 +145,12 @@ class WindowReader:
             An interlock tripped: the drive must go off.
         usmbench.errors.LostCountsError
             The index pulse shows that counts were lost.
-        usmbench.errors.BenchError
-            The board does not answer.
         """
         last = self._last
         if last is None:
             return
         seen = self._seen(last, hands_off)
         self.interlocks = watch(self.interlocks, seen, self._interlock_settings)
-        self._commands.keep_alive(last.end_sample, self._heartbeat_samples)
 
     def _seen(self, last: _Window, hands_off: bool) -> Seen:
         block, motion, setting = last.block, last.motion, last.setting

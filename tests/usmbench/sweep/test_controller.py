@@ -137,6 +137,14 @@ def test_signs_of_life_go_out_all_through_a_long_dwell(
     assert fake.calls.count("heartbeat") >= 12
 
 
+def test_no_command_waits_for_a_sign_of_life(fake: Any, bench_settings: BenchSettings) -> None:
+    plan = plan_of(dwell={"windows": 25}, passes=[{"phase_deg": [30, 60, 90]}])
+    sweep(fake, bench_settings, plan)
+    commands = [i for i, call in enumerate(fake.calls) if call in ("phase 60", "phase 90")]
+    assert len(commands) == 2
+    assert all("heartbeat" not in fake.calls[i - 3 : i] for i in commands)
+
+
 def test_a_loop_that_hangs_sends_no_sign_of_life(fake: Any, bench_settings: BenchSettings) -> None:
     sweep(fake, bench_settings, plan_of())
     heartbeats = [i for i, call in enumerate(fake.calls) if call == "heartbeat"]
