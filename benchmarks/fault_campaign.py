@@ -34,7 +34,8 @@ from usmbench.cli.bench_session import Bench, open_bench
 from usmbench.cli.simulated_bench import simulated_settings
 from usmbench.cli.sweep_run import sweep_new
 from usmbench.errors import UsmbenchError
-from usmbench.runs.meta import read_meta, verify_sha256
+from usmbench.runs.catalogue import changed_data
+from usmbench.runs.meta import read_meta
 from usmbench.runs.reader import read_run
 from usmbench.settings.bench import BenchSettings
 from usmbench.settings.plan_file import parse_plan
@@ -159,7 +160,7 @@ def _folder_complaints(outcome: Outcome, reported: Reported, folder: Path) -> It
     wanted = "failed: " if outcome.status else "completed"
     if not said.startswith(wanted):
         yield f"run.yaml says exit: {said}"
-    if verify_sha256(folder):
+    if changed_data(folder):
         yield "a sha256 does not match"
 
 

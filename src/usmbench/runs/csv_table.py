@@ -11,9 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.errors import InputError
-
-# More than blank lines before the first row would take.
-_ROW_BYTES = 4096
+from usmbench.runs.plain_numbers import plain_numbers
 
 Values = NDArray[np.float64] | NDArray[np.str_]
 
@@ -80,9 +78,12 @@ def read_table(
     if whole_rows:
         content = content[: content.rfind(b"\n") + 1]
     names = _names(path, content, needed)
-    columns = _all_numbers(content, names)
-    if columns is None:
+    table = plain_numbers(content, content.find(b"\n") + 1 or len(content), len(names))
+    columns: Mapping[str, Values]
+    if table is None:
         columns = _row_by_row(path, _decoded(path, content), names, numbers)
+    else:
+        columns = dict(zip(names, table, strict=True))
     if not len(columns[names[0]]) and not may_be_empty:
         raise InputError("has no rows; the run stopped before its first", file=path)
     return Table(path, columns)
@@ -109,7 +110,7 @@ def _decoded(path: Path, content: bytes) -> str:
 
 def _names(path: Path, content: bytes, needed: Collection[str]) -> list[str]:
     """Return the column names."""
-    head = _decoded(path, content.split(b"\n", 1)[0]).rstrip("\r")
+    head = _decoded(path, content[: content.find(b"\n") + 1 or None]).rstrip("\r\n")
     names = [name.strip() for name in next(csv.reader([head]), [])] if head.isprintable() else []
     missing = [name for name in needed if name not in names]
     if missing:
@@ -123,18 +124,6 @@ def _names(path: Path, content: bytes, needed: Collection[str]) -> list[str]:
         twice = next(name for name in names if names.count(name) > 1)
         raise InputError(f"column {twice!r} stands twice; rename one", file=path, line=1)
     return names
-
-
-def _all_numbers(content: bytes, names: list[str]) -> dict[str, Values] | None:
-    """Return the columns of a file that holds nothing but numbers, None for any other."""
-    start = content.find(b"\n") + 1
-    if not start or not content[start : start + _ROW_BYTES].strip():
-        return None
-    try:
-        table = np.loadtxt(io.BytesIO(content), delimiter=",", skiprows=1, comments=None, ndmin=2)
-    except ValueError:
-        return None
-    return dict(zip(names, table.T, strict=True)) if table.shape[1] == len(names) else None
 
 
 def _row_by_row(

@@ -74,28 +74,6 @@ def read_meta(folder: Path) -> dict[str, Any]:
     return meta
 
 
-def verify_sha256(folder: Path) -> list[str]:
-    """Hold the data files against the check sums that were written when the run was closed.
-
-    Parameters
-    ----------
-    folder
-        The run folder.
-
-    Returns
-    -------
-    list of str
-        Names of the files that are missing or have changed; empty where all is well, or where the
-        run was never closed.
-
-    Raises
-    ------
-    usmbench.errors.InputError
-        run.yaml cannot be read, or names a file outside the folder.
-    """
-    return changed_files(Path(folder), read_meta(folder).get("sha256"))
-
-
 def changed_files(folder: Path, sums: object) -> list[str]:
     """Hold the data files against check sums.
 

@@ -78,7 +78,7 @@ def read_run(path: Path | str) -> Record:
 def _as_column(table: Table, name: str) -> Column | None:
     """Return a column of numbers, None where the table does not have it."""
     column = table.columns.get(name)
-    return None if column is None else column.astype(np.float64)
+    return None if column is None else column.astype(np.float64, copy=False)
 
 
 def _finite(table: Table, names: Iterable[str]) -> dict[str, Column]:

@@ -13,7 +13,8 @@ from event_model import DocumentNames, pack_event_page, schema_validators, unpac
 from usmbench.bluesky import documents as documents_module
 from usmbench.bluesky.documents import Document, documents_run, run_documents
 from usmbench.errors import InputError
-from usmbench.runs.meta import read_meta, verify_sha256
+from usmbench.runs.catalogue import changed_data
+from usmbench.runs.meta import read_meta
 from usmbench.runs.reader import read_run
 from usmbench.runs.writer import RunWriter
 from usmbench.sweep.rows import PairRow, WindowRow
@@ -84,7 +85,7 @@ def test_there_and_back_every_file_is_the_same(
     for name in ("windows.csv", "pairs.csv"):
         assert (again / name).read_bytes() == (folder / name).read_bytes()
     assert read_meta(again) == read_meta(folder)
-    assert verify_sha256(again) == []
+    assert changed_data(again) == []
 
 
 def test_the_documents_say_what_a_run_is(tmp_path: Path) -> None:
@@ -131,7 +132,7 @@ def test_a_scan_becomes_a_run_that_the_bench_reads(tmp_path: Path, open_bench: A
     assert record.pairs.frequency_hz.tolist() == [41_000.0] * 7
     assert record.meta["exit"] == "completed"
     assert "scan" in record.meta["software"]
-    assert verify_sha256(tmp_path / "run") == []
+    assert changed_data(tmp_path / "run") == []
 
 
 def changed(folder: Path, wanted: str, **keys: Any) -> list[Document]:

@@ -1,5 +1,6 @@
 """Runs are found wherever they lie, by whatever their run.yaml says."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -120,14 +121,32 @@ def test_a_folder_that_is_none_is_refused(tmp_path: Path) -> None:
         find_runs(tmp_path / "none")
 
 
-def test_changed_data_is_named_and_a_sum_of_a_file_outside_refused(tmp_path: Path) -> None:
-    (tmp_path / "windows.csv").write_text("phase_deg\n")
-    run = tmp_path / "run.yaml"
-    run.write_text("format: usmbench-run/1\nsha256: {windows.csv: 0, pairs.csv: 0}\n")
-    assert changed_data(tmp_path) == ["windows.csv", "pairs.csv"]
-    run.write_text("format: usmbench-run/1\n")
+def test_changed_and_missing_data_is_seen(make_run: Callable[..., Path]) -> None:
+    folder = make_run()
+    assert changed_data(folder) == []
+    with (folder / "windows.csv").open("a") as file:
+        file.write("9,0,0,0,0,0,0.01,0,0,0,0,0\n")
+    (folder / "pairs.csv").unlink()
+    assert changed_data(folder) == ["windows.csv", "pairs.csv"]
+
+
+@pytest.mark.parametrize("name", ["../secret", "/etc/hostname", "sub/../../x", "", "a/b"])
+def test_no_file_outside_the_folder_is_touched(tmp_path: Path, name: str) -> None:
+    (tmp_path / "run.yaml").write_text(f"format: usmbench-run/1\nsha256: {{{name!r}: abc}}\n")
+    with pytest.raises(InputError, match="not a file of this folder"):
+        changed_data(tmp_path)
+
+
+def test_a_link_out_of_the_folder_is_not_followed(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    folder.mkdir()
+    (tmp_path / "secret").write_text("x")
+    (folder / "windows.csv").symlink_to(tmp_path / "secret")
+    (folder / "run.yaml").write_text("format: usmbench-run/1\nsha256: {windows.csv: abc}\n")
+    with pytest.raises(InputError, match="not a file of this folder"):
+        changed_data(folder)
+
+
+def test_a_run_that_was_never_closed_has_nothing_to_hold_it_to(tmp_path: Path) -> None:
+    (tmp_path / "run.yaml").write_text("format: usmbench-run/1\n")
     assert changed_data(tmp_path) == []
-    for outside in ("../secret", "/etc/passwd", "a/b"):
-        run.write_text(f"format: usmbench-run/1\nsha256: {{{outside}: 0}}\n")
-        with pytest.raises(InputError, match="not a file of this folder"):
-            changed_data(tmp_path)
