@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 
-from usmbench.model.model_file import read_model
 from usmbench.report.plain_text import printable
 from usmbench.runs.reader import read_run
 from usmbench.runs.record import Record
@@ -50,7 +49,11 @@ def run(args: argparse.Namespace) -> int:
     from usmbench.report.run_plot import write_run_plot
 
     record = read_run(args.recorded)
-    model = None if args.model is None else read_model(args.model)
+    model = None
+    if args.model is not None:
+        from usmbench.model.model_file import read_model
+
+        model = read_model(args.model)
     write_run_plot(args.plot, record, model)
     for name, value in _lines(record, args.plot):
         print(f"{name:10} {printable(value)}")

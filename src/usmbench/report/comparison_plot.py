@@ -5,7 +5,7 @@ from pathlib import Path
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from usmbench.report.curve_plot import PASSES
+from usmbench.report.drawing import PASSES, save_figure
 from usmbench.report.panels import (
     COLUMNS,
     Mask,
@@ -17,7 +17,6 @@ from usmbench.report.panels import (
     rows_of,
 )
 from usmbench.report.plain_text import short_name
-from usmbench.report.replay_plot import save_figure
 from usmbench.runs.comparison import Comparison
 
 

@@ -7,12 +7,8 @@ from matplotlib.figure import Figure
 
 from usmbench.errors import InputError
 from usmbench.model.hammerstein import OperatingPoint
-from usmbench.report.replay_plot import save_figure
+from usmbench.report.drawing import CURVE_POINTS, PASSES, save_figure
 from usmbench.runs.record import Pairs
-
-CURVE_POINTS = 721
-# Rising and falling passes differ in shape as well as in shade: they must be told apart in grey.
-PASSES = ((1.0, "^", "rising φ", "0.15"), (-1.0, "v", "falling φ", "0.55"))
 
 
 def write_curve_plot(path: Path, pairs: Pairs, point: OperatingPoint) -> None:

@@ -1,12 +1,11 @@
 """The plot of ``replay --plot``: measurement, free run, and what lies between them."""
 
-import warnings
 from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from usmbench.errors import InputError
 from usmbench.model.replay import Replay
+from usmbench.report.drawing import save_figure
 from usmbench.report.plain_text import short_name
 from usmbench.runs.record import Record
 
@@ -57,29 +56,3 @@ def write_replay_plot(path: Path, record: Record, replay: Replay) -> None:
     bottom.set_ylabel("ω − ω̂ (rad/s)")
     bottom.set_xlabel("time (s)")
     save_figure(figure, path)
-
-
-def save_figure(figure: Figure, path: Path) -> None:
-    """Write a figure, with the errors a user can mend.
-
-    Parameters
-    ----------
-    figure
-        The figure.
-    path
-        The file; its ending is the format.
-
-    Raises
-    ------
-    InputError
-        The file cannot be written, or its format is unknown.
-    """
-    try:
-        with warnings.catch_warnings():
-            # A run's name may hold letters that the plot's font does not have.
-            warnings.filterwarnings("ignore", "Glyph .* missing from font")
-            figure.savefig(path, dpi=130)
-    except (OSError, ValueError) as error:
-        raise InputError(
-            f"cannot be written ({error}); give a .png, .svg or .pdf", file=path
-        ) from error

@@ -1,13 +1,15 @@
 """The plot of ``usmbench show``: settled speed over phase, and speed and phase over time."""
 
+from __future__ import annotations
+
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
-from usmbench.model.hammerstein import HammersteinModel, OperatingPoint
-from usmbench.report.curve_plot import CURVE_POINTS, PASSES
+from usmbench.report.drawing import CURVE_POINTS, PASSES, save_figure
 from usmbench.report.panels import (
     at_point,
     left_out,
@@ -17,8 +19,10 @@ from usmbench.report.panels import (
     rows_of,
 )
 from usmbench.report.plain_text import short_name
-from usmbench.report.replay_plot import save_figure
 from usmbench.runs.record import Column, Pairs, Record
+
+if TYPE_CHECKING:  # importing a model takes longer than to draw the run
+    from usmbench.model.hammerstein import HammersteinModel, OperatingPoint
 
 # Twice the pixels of a wide screen: more bins would draw over each other.
 _BINS = 4000
