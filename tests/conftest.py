@@ -1,17 +1,35 @@
-"""What tests of the card's two sides share: an encoder that turns at a steady speed."""
+"""What tests in several folders share: an encoder that turns at a steady speed, and a browser."""
 
+import os
+import shutil
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 import pytest
+from playwright.sync_api import Browser, sync_playwright
 
 from hil_sim.faults import FaultSchedule
 from hil_sim.ni_server import NiServer, serve
 from hil_sim.signals import Samples
 
+CHROMIUM = os.environ.get("USMBENCH_CHROMIUM") or shutil.which("chromium")
+collect_ignore = [] if CHROMIUM else ["docs/test_site.py", "usmbench/watch/test_page.py"]
 COUNTS_PER_REV = 2000
 RATE_HZ = 1e5  # whatever the card is set to: what the tests check is samples, not seconds
+
+
+def pytest_report_header() -> list[str]:
+    return [] if CHROMIUM else ["chromium: not there, no page is looked at in a browser"]
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    arguments = ["--no-sandbox"] if os.geteuid() == 0 else []
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=arguments)
+        yield browser
+        browser.close()
 
 
 class TurningEncoder:

@@ -1,7 +1,5 @@
-"""A run that grows row by row, a model beside it, and a browser where there is one."""
+"""A run that grows row by row, and a model beside it."""
 
-import os
-import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -15,12 +13,6 @@ from usmbench.runs.writer import RunWriter
 from usmbench.sweep.rows import PairRow, WindowRow
 
 WINDOW_S = 0.01
-BROWSER = os.environ.get("USMBENCH_CHROMIUM") or shutil.which("chromium")
-collect_ignore = [] if BROWSER else ["test_page.py"]
-
-
-def pytest_report_header() -> list[str]:
-    return [] if BROWSER else ["chromium: not there, the live page is not tested in a browser"]
 
 
 class GrowingRun:

@@ -1,13 +1,12 @@
 """The live page in Chromium, as an operator sees it: wide and narrow, light and dark."""
 
-import os
 import threading
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import pytest
-from playwright.sync_api import Browser, Page, expect, sync_playwright
+from playwright.sync_api import Browser, Page, expect
 
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.runs.stop_request import STOP_FILE
@@ -15,8 +14,6 @@ from usmbench.settings.bench import BenchSettings
 from usmbench.settings.bench_file import bench_document
 from usmbench.watch.server import HOST, LiveServer
 from usmbench.watch.view import LiveView
-
-from .conftest import BROWSER
 
 EVIL = "<img src=x onerror=document.title='broken'>"
 PLAN = {
@@ -53,15 +50,6 @@ CONTRAST = """(selector) => {
   const pair = [light(style.color), light(groundOf(part))].sort((a, b) => b - a);
   return (pair[0] + 0.05) / (pair[1] + 0.05);
 }"""
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    arguments = ["--no-sandbox"] if os.geteuid() == 0 else []
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=BROWSER, args=arguments)
-        yield browser
-        browser.close()
 
 
 @pytest.fixture
