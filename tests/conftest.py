@@ -23,7 +23,7 @@ def pytest_report_header() -> list[str]:
     return [] if CHROMIUM else ["chromium: not there, no page is looked at in a browser"]
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")  # its event loop would be in the way of other modules
 def browser() -> Iterator[Browser]:
     arguments = ["--no-sandbox"] if os.geteuid() == 0 else []
     with sync_playwright() as playwright:
