@@ -29,11 +29,14 @@ class Dynamics:
         Numerator of unit sum without its first element, shape (n_b,).
     dead_time_windows
         Whole windows of dead time.
+    slip_limit_rad_s
+        Slip at which the torque gives out; None where the dynamics are linear.
     """
 
     a: Array
     beta: Array
     dead_time_windows: int
+    slip_limit_rad_s: float | None = None
 
     @property
     def numerator(self) -> Array:
@@ -54,10 +57,12 @@ class Dynamics:
         window_s
             Time step.
         """
-        return LinearPart(self.a, self.numerator, self.dead_time_windows, window_s)
+        return LinearPart(
+            self.a, self.numerator, self.dead_time_windows, window_s, self.slip_limit_rad_s
+        )
 
     def respond(self, signal: Array) -> Array:
-        """Run the dynamics over a signal that was 0 before.
+        """Run the dynamics, without their torque limit, over a signal that was 0 before.
 
         Parameters
         ----------
@@ -71,17 +76,21 @@ NONE = Dynamics(np.empty(0), np.empty(0), 0)
 """No dynamics: the output is the input."""
 
 
-class Family(Protocol):
-    """Linear parts that a few parameters span."""
+class Parametrised(Protocol):
+    """Dynamics that a few parameters span."""
 
     def dynamics(self, parameters: Array) -> Dynamics:
-        """Return the linear part at these parameters."""
-
-    def parameters(self, dynamics: Dynamics) -> Array:
-        """Return the parameters nearest to a linear part."""
+        """Return the dynamics at these parameters."""
 
     def moved(self, parameters: Array, step: Array) -> Array:
         """Return the parameters after a step, kept where they make sense."""
+
+
+class Family(Parametrised, Protocol):
+    """Linear dynamics that a few parameters span."""
+
+    def parameters(self, dynamics: Dynamics) -> Array:
+        """Return the parameters nearest to a linear part."""
 
     def jacobian(self, parameters: Array) -> Array:
         """Return the derivatives of (a, β), shape (n_a + n_b, n)."""

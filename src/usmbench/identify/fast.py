@@ -26,7 +26,13 @@ from usmbench.identify.selection import (
     prior_rows,
 )
 from usmbench.identify.separable import separable_start
-from usmbench.identify.uncertainty import covariance, curve_intervals, dynamics_intervals
+from usmbench.identify.torque_limit import limited_fit
+from usmbench.identify.uncertainty import (
+    Estimate,
+    covariance,
+    curve_intervals,
+    dynamics_intervals,
+)
 from usmbench.model.hammerstein import StaticCurve
 from usmbench.runs.record import Record
 
@@ -82,22 +88,28 @@ def identify_fast(records: Sequence[Record], options: FastOptions) -> Identifica
         prior_rows(choice.knots_deg, choice.stiffness, rows.standing_deg, part.n)
         for choice, rows in choices
     ]
-    search = robust_fit(build_design(part, knots_deg), family, start, priors)
-    best = search.problem.fit if part is data else polished(data, knots_deg, family, search)
+    stretches = build_design(part, knots_deg)
+    search = robust_fit(stretches, family, start, priors)
+    best = polished(data, knots_deg, family, search)
+    estimate = Estimate(family, best, search.problem.linearised(), part.n / data.n)
+    if isinstance(family, LagFamily):
+        estimate = limited_fit(stretches, search, family, best) or estimate
     curves = [StaticCurve(k, d) for k, d in zip(knots_deg, best.delta, strict=True)]
-    spread = covariance(search.problem, part.n / data.n)
+    spread = covariance(estimate, priors)
     intervals = {
-        **dynamics_intervals(best, family, spread, data.window_s),
+        **dynamics_intervals(estimate, spread, data.window_s),
         "points": [curve_intervals(c, r) for c, r in zip(curves, spread.delta, strict=True)],
     }
     found = assemble(
         data,
         "fast",
-        best.dynamics.linear_part(data.window_s),
+        estimate.found.dynamics.linear_part(data.window_s),
         curves,
         intervals=intervals,
         colour=spread.noise_coefficients,
-        tests=residual_tests(search.problem, spread.noise_coefficients),
+        tests=residual_tests(
+            estimate.linearised, estimate.found.parameters.size, spread.noise_coefficients
+        ),
     )
     warnings = (*found.warnings, *_few_phases(part, knots_deg))
     return replace(found, warnings=warnings, fit_s=time.perf_counter() - started_s)

@@ -51,7 +51,7 @@ class Polished:
 def polished(
     data: Dataset, knots_deg: Sequence[Array], family: Family, search: RobustFit
 ) -> Polished:
-    """Go on to the minimum over all rows.
+    """Go on to the minimum over all rows, where the search left some out.
 
     Parameters
     ----------
@@ -72,6 +72,8 @@ def polished(
     """
     fit = search.problem.fit
     here = Polished(fit.parameters, fit.dynamics, fit.delta)
+    if search.n == data.n:
+        return here
     curvature = _Curvature(search, data.n)
     last = np.inf
     for _ in range(_MAX_PASSES):

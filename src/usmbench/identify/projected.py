@@ -84,6 +84,8 @@ class Linearised:
         Bisquare influence ``u (1 − u²)²`` of each residual, shape (n,).
     slope
         Slope ``(1 − u²) (1 − 5 u²)`` of that influence, shape (n,).
+    settled_rad_s
+        The static curve's output, shape (n,).
     point
         Index of the operating point.
     """
@@ -91,7 +93,43 @@ class Linearised:
     regressors: Array
     influence: Array
     slope: Array
+    settled_rad_s: Array
     point: int
+
+    @classmethod
+    def of(
+        cls,
+        columns: Array,
+        fading_shape: Array,
+        weights: RowWeights,
+        residual_rad_s: Array,
+        settled_rad_s: Array,
+        point: int,
+    ) -> "Linearised":
+        """Weight a stretch's regressors, and take the unknown start out of them.
+
+        Parameters
+        ----------
+        columns
+            Derivatives of the free run by the curve's ordinates and the dynamics' parameters,
+            shape (n, d + 1 + q).
+        fading_shape
+            Derivative of the free run by the settled speed before it, shape (n,).
+        weights
+            How much each row counts.
+        residual_rad_s
+            Measured minus free-running speed, shape (n,).
+        settled_rad_s, point
+            As in `Linearised`.
+        """
+        shape = _of_unit_length(fading_shape / weights.spread)
+        return cls(
+            _without(shape, columns / weights.spread[:, None]),
+            weights.robust * weights.root * residual_rad_s,
+            weights.robust * (5.0 * weights.robust - 4.0),
+            settled_rad_s,
+            point,
+        )
 
 
 class Projected:
@@ -120,15 +158,10 @@ class Projected:
             [k for k, s in enumerate(stretches) if s.point == point]
             for point in range(len(penalties))
         ]
-        self._fading = [self._faded(k, w.root) for k, w in enumerate(weights)]
+        self._fading = [_of_unit_length(w.root * self._fading_of(k)) for k, w in enumerate(weights)]
         self._columns = [self._dynamics.respond(s.basis) for s in stretches]
         self._matrices = [self._weighted(k, c) for k, c in enumerate(self._columns)]
         self.fit = self._solve()
-
-    def _faded(self, k: int, weight: Array) -> Array:
-        """Weighted response to the unknown start, of unit length."""
-        shape = weight * self._fading_of(k)
-        return shape / max(float(np.linalg.norm(shape)), 1e-300)
 
     def _fading_of(self, k: int) -> Array:
         dynamics, n = self._dynamics, self._stretches[k].speed_rad_s.size
@@ -195,30 +228,17 @@ class Projected:
             residuals.append(factor[first:, -1])
         return np.vstack(jacobians), np.concatenate(residuals)
 
-    def settled_rad_s(self, k: int) -> Array:
-        """Return the static curve's output on a stretch.
-
-        Parameters
-        ----------
-        k
-            Index of the stretch.
-        """
-        stretch = self._stretches[k]
-        settled: Array = stretch.basis @ self.fit.delta[stretch.point]
-        return settled
-
     def linearised(self) -> list[Linearised]:
         """Return every stretch's regressors and influences, for the covariance."""
         pieces = []
         for k, (stretch, weights) in enumerate(zip(self._stretches, self._weights, strict=True)):
-            columns = (
-                np.hstack([self._columns[k], self._sensitivities(k)]) / weights.spread[:, None]
-            )
             pieces.append(
-                Linearised(
-                    _without(self._faded(k, 1.0 / weights.spread), columns),
-                    weights.robust * weights.root * self.fit.residual_rad_s[k],
-                    weights.robust * (5.0 * weights.robust - 4.0),
+                Linearised.of(
+                    np.hstack([self._columns[k], self._sensitivities(k)]),
+                    self._fading_of(k),
+                    weights,
+                    self.fit.residual_rad_s[k],
+                    stretch.basis @ self.fit.delta[stretch.point],
                     stretch.point,
                 )
             )
@@ -243,6 +263,12 @@ def _times(weight: Array, columns: Array) -> Array:
     """Weight the rows of one or several columns."""
     weighted: Array = columns * (weight if columns.ndim == 1 else weight[:, None])
     return weighted
+
+
+def _of_unit_length(shape: Array) -> Array:
+    """Scale a shape to unit length, or to 0 where it is none."""
+    scaled: Array = shape / max(float(np.linalg.norm(shape)), 1e-300)
+    return scaled
 
 
 def _without(shape: Array, columns: Array) -> Array:

@@ -7,6 +7,7 @@ for serial correlation; an F test for the input). Both run on residuals whose co
 taken out, so that coloured noise is not taken for unmodelled motion.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.special import chdtrc, fdtrc
 
 from usmbench.identify.noise import whitened
-from usmbench.identify.projected import Projected
+from usmbench.identify.projected import Linearised
 from usmbench.model.linear import delayed
 
 Array = NDArray[np.float64]
@@ -89,27 +90,30 @@ def input_test(residual: Array, regressors: Array, inputs: Array) -> ResidualTes
     return ResidualTest("other dynamics act on the input", statistic, rank, p_value)
 
 
-def residual_tests(problem: Projected, colour: Array) -> tuple[ResidualTest, ResidualTest]:
+def residual_tests(
+    pieces: Sequence[Linearised], dynamics: int, colour: Array
+) -> tuple[ResidualTest, ResidualTest]:
     """Test what an output-error fit has left.
 
     Parameters
     ----------
-    problem
-        The problem at the estimate.
+    pieces
+        Its stretches near the estimate.
+    dynamics
+        Number of parameters of the dynamics.
     colour
         Autoregressive coefficients of its residual.
     """
-    pieces = problem.linearised()
     residuals, regressors, inputs = [], [], []
-    dynamics = problem.fit.parameters.size
-    ends = np.cumsum([dynamics, *(delta.size for delta in problem.fit.delta)])
-    for k, piece in enumerate(pieces):
+    ordinates = {piece.point: piece.regressors.shape[1] - dynamics for piece in pieces}
+    ends = np.cumsum([dynamics, *(ordinates[point] for point in sorted(ordinates))])
+    for piece in pieces:
         n = piece.influence.size
         wide = np.zeros((n, int(ends[-1])))
         wide[:, :dynamics] = piece.regressors[:, -dynamics:] if dynamics else 0.0
         own = slice(int(ends[piece.point]), int(ends[piece.point + 1]))
         wide[:, own] = piece.regressors[:, : piece.regressors.shape[1] - dynamics]
-        settled = problem.settled_rad_s(k)
+        settled = piece.settled_rad_s
         lagged = np.column_stack(
             [delayed(settled, k, settled[0]) for k in range(1, INPUT_LAGS + 1)]
         )

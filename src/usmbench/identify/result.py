@@ -109,6 +109,7 @@ class Identification:
             "dead_zone_deg": list(point.dead_zone_deg),
             "dead_time_s": dead_time_s(linear),
             "dead_time_windows": linear.dead_time_windows,
+            "slip_limit_rad_s": linear.slip_limit_rad_s,
             **({} if own is None else {"curve_intervals": own[k]}),
         }
 

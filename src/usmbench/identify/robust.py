@@ -75,7 +75,7 @@ def robust_fit(
     settled = moving = 1.0
     for _ in range(_ROUNDS):
         residual = np.concatenate(problem.fit.residual_rad_s)
-        settled, moving = (_scale(residual[kind], residual) for kind in (~change, change))
+        settled, moving = scales(residual, change)
         if settled == 0.0 or moving == 0.0:
             # The model passes through most rows exactly: there is no scale to weight by.
             settled = moving = 1.0
@@ -97,6 +97,20 @@ def bisquare_root(residual: Array) -> Array:
         Residuals over their standard deviation, shape (n,).
     """
     return np.clip(1.0 - (residual / _BISQUARE) ** 2, 0.0, 1.0)
+
+
+def scales(residual: Array, changing: NDArray[np.bool_]) -> tuple[float, float]:
+    """Return the standard deviations away from changes of phase, and just after them.
+
+    Parameters
+    ----------
+    residual
+        Residuals, shape (n,).
+    changing
+        Which of them lie just after a change.
+    """
+    settled, moving = (_scale(residual[kind], residual) for kind in (~changing, changing))
+    return settled, moving
 
 
 def _scale(kind: Array, all_rows: Array) -> float:

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 from scipy.special import ndtri
 
-from usmbench.identify.dynamics import Family
+from usmbench.identify.dynamics import Parametrised
 from usmbench.identify.knots import dead_zone_deg, standing_edges_deg
 from usmbench.identify.noise import coloured_back, fit_noise
 from usmbench.identify.polish import Polished
-from usmbench.identify.projected import Fit, Projected
+from usmbench.identify.projected import Linearised
 from usmbench.identify.triangle import full_rank, triangle
 from usmbench.model.bernstein import bernstein_basis
 from usmbench.model.hammerstein import StaticCurve
@@ -49,7 +49,29 @@ class Covariance:
     noise_coefficients: Array
 
 
-def covariance(problem: Projected, share: float) -> Covariance:
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """What was found, and the problem about it.
+
+    Parameters
+    ----------
+    family
+        Family of the dynamics.
+    found
+        Dynamics and curves.
+    linearised
+        Stretches of the record near the estimate.
+    share
+        Rows of these stretches over the rows that the estimate rests on.
+    """
+
+    family: Parametrised
+    found: Polished
+    linearised: Sequence[Linearised]
+    share: float
+
+
+def covariance(estimate: Estimate, priors: Sequence[Array]) -> Covariance:
     """Return the covariance of the estimates under the residuals' own colour.
 
     With the regressors J, the mean slope κ of the robust influence ψ, and ψ of the residuals an
@@ -59,17 +81,17 @@ def covariance(problem: Projected, share: float) -> Covariance:
 
     Parameters
     ----------
-    problem
-        The problem at the estimate.
-    share
-        Rows of the problem over the rows that the estimate rests on.
+    estimate
+        The estimate.
+    priors
+        Rows of prior knowledge of each operating point's curve.
     """
-    linearised = problem.linearised()
+    linearised = estimate.linearised
     colour, white = fit_noise([piece.influence for piece in linearised])
     n = sum(piece.influence.size for piece in linearised)
     slope = sum(float(piece.slope.sum()) for piece in linearised) / n
     parts = []
-    for point, prior in enumerate(problem.penalties):
+    for point, prior in enumerate(priors):
         mine = [piece for piece in linearised if piece.point == point]
         regressors = np.vstack([piece.regressors for piece in mine])
         still = np.zeros((prior.shape[0], regressors.shape[1] - prior.shape[1]))
@@ -78,8 +100,8 @@ def covariance(problem: Projected, share: float) -> Covariance:
         # The prior counts as noise too: so the band covers the bias it brings (Nychka 1988).
         coloured.append(white * np.hstack([prior, still]))
         parts.append(_Part(full_rank(bread), triangle(np.vstack(coloured)).T, prior.shape[1]))
-    size = problem.fit.parameters.size + sum(part.n for part in parts)
-    inflation = np.sqrt(share * n / max(n - size, 1))
+    size = parts[0].coupling.shape[1] + sum(part.n for part in parts)
+    inflation = np.sqrt(estimate.share * n / max(n - size, 1))
     dynamics = _dynamics_root(parts) * inflation
     deltas, first = [], 0
     for part in parts:
@@ -128,16 +150,14 @@ def _dynamics_root(parts: Sequence[_Part]) -> Array:
 
 
 def dynamics_intervals(
-    fit: Fit | Polished, family: Family, spread: Covariance, window_s: float | None
+    estimate: Estimate, spread: Covariance, window_s: float | None
 ) -> dict[str, Any]:
-    """Return 95 % intervals of a, b, time constant and dead time.
+    """Return 95 % intervals of a, b, time constant, dead time and torque limit.
 
     Parameters
     ----------
-    fit
+    estimate
         The estimate.
-    family
-        Its family of linear parts.
     spread
         Its covariance.
     window_s
@@ -146,13 +166,20 @@ def dynamics_intervals(
     Returns
     -------
     dict
-        ``a`` and ``b``: a [low, high] an element; ``tau_s``, ``dead_time_s``: [low, high] or None.
+        ``a`` and ``b``: a [low, high] an element; ``tau_s``, ``dead_time_s`` and
+        ``slip_limit_rad_s``: [low, high] or None.
     """
+    fit, family = estimate.found, estimate.family
 
     def outcome(parameters: Array) -> Array:
         linear = family.dynamics(parameters).linear_part(window_s)
         tau_s, dead_s = time_constant_s(linear), dead_time_s(linear)
-        ends = [np.nan if tau_s is None else np.log(tau_s), np.nan if dead_s is None else dead_s]
+        slip_rad_s = linear.slip_limit_rad_s
+        ends = [
+            np.nan if tau_s is None else np.log(tau_s),
+            np.nan if dead_s is None else dead_s,
+            np.nan if slip_rad_s is None else np.log(slip_rad_s),
+        ]
         return np.concatenate([linear.a, linear.b, np.array(ends)])
 
     centre = outcome(fit.parameters)
@@ -166,12 +193,13 @@ def dynamics_intervals(
     low, high = centre - reach, centre + reach
     pairs = np.column_stack([low, high]).tolist()
     longest = np.log(_LONGEST * (window_s or 1.0))
-    tau = np.exp(np.minimum(pairs[-2], longest)).tolist()
+    tau, dead, slip = np.exp(np.minimum(pairs[-3], longest)).tolist(), pairs[-2], pairs[-1]
     return {
         "a": pairs[:na],
-        "b": pairs[na:-2],
+        "b": pairs[na:-3],
         "tau_s": None if np.isnan(tau[0]) else tau,
-        "dead_time_s": None if np.isnan(pairs[-1][0]) else [max(pairs[-1][0], 0.0), pairs[-1][1]],
+        "dead_time_s": None if np.isnan(dead[0]) else [max(dead[0], 0.0), dead[1]],
+        "slip_limit_rad_s": None if np.isnan(slip[0]) else np.exp(slip).tolist(),
     }
 
 

@@ -81,12 +81,17 @@ class LinearPart:
     window_s
         Time from one sample to the next; None where the samples are settled pairs, which have
         no time step of their own.
+    slip_limit_rad_s
+        Slip at which the motor's torque gives out, where the data show that large steps take
+        longer; the free run is then that of `usmbench.model.torque_limit`, and a and b are its
+        limit for small steps. Only beside a first-order lag; None for linear dynamics.
     """
 
     a: Array
     b: Array
     dead_time_windows: int
     window_s: float | None
+    slip_limit_rad_s: float | None = None
 
     @property
     def gain(self) -> float:

@@ -170,7 +170,7 @@ def write_mat(
 
 def _model_struct(model: HammersteinModel) -> dict[str, Any]:
     """Nest a model as MATLAB reads it; NaN stands for what is not known."""
-    linear = model.linear
+    linear, limit = model.linear, model.linear.slip_limit_rad_s
     points = [
         {
             "frequency_hz": np.nan if point.frequency_hz is None else point.frequency_hz,
@@ -185,6 +185,7 @@ def _model_struct(model: HammersteinModel) -> dict[str, Any]:
         "b": linear.b,
         "dead_time_windows": linear.dead_time_windows,
         "window_s": np.nan if linear.window_s is None else linear.window_s,
+        "slip_limit_rad_s": np.inf if limit is None else limit,
         "points": points,
     }
 

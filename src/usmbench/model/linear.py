@@ -7,8 +7,12 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter, lfilter_zi
 
 from usmbench.model.hammerstein import LinearPart
+from usmbench.model.torque_limit import limited_run
 
 Array = NDArray[np.float64]
+
+_START_STEPS = 20
+_START_NUDGE, _START_CLOSE = 1e-4, 1e-6  # rad/s
 
 
 def delayed(values: Array, windows: int, before: float | Array = 0.0) -> Array:
@@ -32,7 +36,7 @@ def delayed(values: Array, windows: int, before: float | Array = 0.0) -> Array:
 
 
 def free_run(linear: LinearPart, settled_rad_s: Array, start_rad_s: float | None = None) -> Array:
-    """Return the output of the linear part, free-running.
+    """Return the output of the dynamics, free-running, with their torque limit if they have one.
 
     Parameters
     ----------
@@ -49,6 +53,9 @@ def free_run(linear: LinearPart, settled_rad_s: Array, start_rad_s: float | None
         Output, shape (N,).
     """
     start = float(settled_rad_s[0]) if start_rad_s is None else start_rad_s
+    if linear.slip_limit_rad_s is not None:
+        tau, dead = _lag_windows(linear)
+        return limited_run(tau, dead, linear.slip_limit_rad_s, settled_rad_s, start)
     moved = from_rest(linear.b, linear.a, linear.dead_time_windows, settled_rad_s - start)
     return moved + start * linear.gain
 
@@ -114,12 +121,31 @@ def fitted_start_rad_s(linear: LinearPart, settled_rad_s: Array, speed_rad_s: Ar
         The least-squares estimate, or v's first value where no sample remembers the start.
     """
     n = min(settled_rad_s.size, memory_windows(linear) + 1)
-    b, a, dead = linear.b, linear.a, linear.dead_time_windows
-    shape = fading(b, a, dead, n)
+    shape = fading(linear.b, linear.a, linear.dead_time_windows, n)
     power = float(shape @ shape)
+    start_rad_s = float(settled_rad_s[0])
     if power < 1e-12:
-        return float(settled_rad_s[0])
-    return float(shape @ (speed_rad_s[:n] - from_rest(b, a, dead, settled_rad_s[:n]))) / power
+        return start_rad_s
+    settled_rad_s, speed_rad_s = settled_rad_s[:n], speed_rad_s[:n]
+    # One step is exact for linear dynamics; with a torque limit the start fades by another shape.
+    for _ in range(_START_STEPS):
+        run = free_run(linear, settled_rad_s, start_rad_s)
+        if linear.slip_limit_rad_s is not None:
+            shape = free_run(linear, settled_rad_s, start_rad_s + _START_NUDGE) - run
+            shape /= _START_NUDGE
+        step = float(shape @ (speed_rad_s - run)) / float(shape @ shape)
+        start_rad_s += step
+        if linear.slip_limit_rad_s is None or abs(step) < _START_CLOSE:
+            break
+    return start_rad_s
+
+
+def _lag_windows(linear: LinearPart) -> tuple[float, float]:
+    """Time constant and dead time in windows of a first-order lag."""
+    tau_s, dead_s = time_constant_s(linear), dead_time_s(linear)
+    if linear.window_s is None or tau_s is None or dead_s is None:
+        raise ValueError("a torque limit needs a first-order lag with a time step")
+    return tau_s / linear.window_s, max(dead_s / linear.window_s, 0.0)
 
 
 def time_constant_s(linear: LinearPart) -> float | None:

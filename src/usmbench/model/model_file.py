@@ -64,6 +64,7 @@ def read_model(path: Path) -> HammersteinModel:
     source = read_source(path)
     _check_format(source.document, path)
     check(source, "model")
+    _check_limit(source)
     for index, point in enumerate(source.document["points"]):
         _check_curve(source, index, point)
     return from_mapping(source.document)
@@ -87,6 +88,7 @@ def to_mapping(model: HammersteinModel) -> dict[str, Any]:
             "b": linear.b.tolist(),
             "dead_time_windows": linear.dead_time_windows,
             "window_s": linear.window_s,
+            "slip_limit_rad_s": linear.slip_limit_rad_s,
         },
         "points": [_point_to_mapping(point) for point in model.points],
         "residual": model.residual,
@@ -105,14 +107,14 @@ def from_mapping(content: dict[str, Any]) -> HammersteinModel:
         The mapping, as `to_mapping` returns it and the schema has it; unknown keys are ignored.
     """
     linear = content["linear"]
-    window_s = linear["window_s"]
     points = tuple(_point_from_mapping(point) for point in content["points"])
     return HammersteinModel(
         linear=LinearPart(
             a=np.array(linear["a"], dtype=np.float64),
             b=np.array(linear["b"], dtype=np.float64),
             dead_time_windows=int(linear["dead_time_windows"]),
-            window_s=None if window_s is None else float(window_s),
+            window_s=_optional(linear["window_s"]),
+            slip_limit_rad_s=_optional(linear.get("slip_limit_rad_s")),
         ),
         points=points,
         method=str(content["method"]),
@@ -137,6 +139,17 @@ def _check_format(content: object, path: Path) -> None:
             f"was written by a newer usmbench (model version {version}, this one reads up to "
             f"{VERSION}); upgrade usmbench",
             file=path,
+        )
+
+
+def _check_limit(source: Source) -> None:
+    """Refuse a torque limit beside anything but a lag with a time step."""
+    linear = source.document["linear"]
+    lag = len(linear["a"]) == 1 and -1.0 < linear["a"][0] < 0.0
+    if linear.get("slip_limit_rad_s") is not None and not (lag and linear["window_s"]):
+        raise source.error(
+            ("linear", "slip_limit_rad_s"),
+            "needs one a between -1 and 0, and a window_s; write null for linear dynamics",
         )
 
 

@@ -51,6 +51,10 @@ def _dynamics(model: HammersteinModel) -> list[str]:
         lines.append(_line("time constant", _milliseconds(tau_s, intervals.get("tau_s"))))
     if dead_s is not None:
         lines.append(_line("dead time", _milliseconds(dead_s, intervals.get("dead_time_s"))))
+    if linear.slip_limit_rad_s is not None:
+        own = _interval(intervals.get("slip_limit_rad_s"), 1.0, ".2f")
+        limit = f"gives out at a slip of {linear.slip_limit_rad_s:.2f} rad/s{own}"
+        lines.append(_line("torque", limit))
     return lines
 
 

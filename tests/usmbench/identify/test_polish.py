@@ -16,7 +16,7 @@ from usmbench.identify.polish import polished
 from usmbench.identify.robust import robust_fit
 from usmbench.identify.selection import prior_rows
 from usmbench.identify.sensitivities import output_sensitivities
-from usmbench.identify.uncertainty import covariance
+from usmbench.identify.uncertainty import Estimate, covariance
 from usmbench.model.hammerstein import LinearPart, StaticCurve
 from usmbench.model.linear import free_run
 from usmbench.runs.record import Record
@@ -41,7 +41,8 @@ def test_newton_steps_over_pieces_come_to_the_fit_of_all_rows(
         build_design(data, [knots_deg]), family, start, [prior_rows(knots_deg, 1e-3, None, data.n)]
     )
     found, wanted = polished(data, [knots_deg], family, few), whole.problem.fit
-    spread = covariance(whole.problem, 1.0)
+    estimate = Estimate(family, found, whole.problem.linearised(), 1.0)
+    spread = covariance(estimate, whole.problem.penalties)
     off = (found.parameters - wanted.parameters) / np.linalg.norm(spread.dynamics, axis=1)
     assert np.max(np.abs(off)) < 0.35
     basis = phase_basis(np.linspace(-89.0, 89.0, 30), knots_deg)

@@ -19,7 +19,7 @@ def model() -> HammersteinModel:
     curve = StaticCurve(np.array([-90.0, 1 / 3, 90.0]), np.array([-10.0, 0.1, 10.0]))
     point = OperatingPoint(41_000.0, 0.1, curve, (-88.0, 90.0), (-5.5, None), 0.01)
     return HammersteinModel(
-        LinearPart(np.array([-0.05]), np.array([0.5, 0.45]), 1, 0.01),
+        LinearPart(np.array([-0.05]), np.array([0.5, 0.45]), 1, 0.01, 8.5),
         (point,),
         "fast",
         fitted_on=({"name": "runs/a", "rows": 100},),
@@ -36,6 +36,7 @@ def test_what_is_written_is_read_back_to_the_last_bit(tmp_path: Path) -> None:
     read = read_model(path)
     assert read.points[0].curve.knots_deg.tolist() == [-90.0, 1 / 3, 90.0]
     assert read.linear.b.tolist() == [0.5, 0.45]
+    assert read.linear.slip_limit_rad_s == 8.5
     assert read.points[0].dead_zone_deg == (-5.5, None)
     for name in ("method", "fitted_on", "residual", "intervals", "unexplained", "effects"):
         assert getattr(read, name) == getattr(model(), name)
@@ -58,6 +59,7 @@ def test_the_file_says_its_version_and_a_newer_one_is_refused(tmp_path: Path) ->
         ("method: fast", "method: [", "is not YAML"),
         ("window_s: 0.01", "other: 0.01", r"linear: has no key window_s"),
         ("dead_time_windows: 1", "dead_time_windows: many", "'many' is not a whole number"),
+        ("a: [-0.05]", "a: [-0.05, 0.2]", r"slip_limit_rad_s: needs one a between -1 and 0"),
         ("a: [-0.05]", "a: [.nan]", r"linear.a\[0\]: not a number"),
         ("knots_deg: [-90.0,", "knots_deg: [95.0,", r"points\[0\].knots_deg: the knots must rise"),
         ("delta_rad_s: [-10.0, 0.1, 10.0]", "delta_rad_s: [1.0, 2.0]", "2 ordinates for 3 knots"),

@@ -38,7 +38,8 @@ class SlowDynamics(DynamicsEffect):
             return linear
         known = lag_and_delay_s(linear, window_s)
         if known is not None:
-            return first_order(known[0] + added_s, known[1], window_s)
+            slower = first_order(known[0] + added_s, known[1], window_s)
+            return replace(slower, slip_limit_rad_s=linear.slip_limit_rad_s)
         poles = np.roots(np.r_[1.0, linear.a])
         real = (np.abs(poles.imag) < 1e-9) & (poles.real > _FASTEST) & (poles.real < 1.0)
         rest, tau_s = poles, 0.0

@@ -35,7 +35,8 @@ class TransportDelay(DynamicsEffect):
             return linear
         known = lag_and_delay_s(linear, window_s)
         if known is not None:
-            return first_order(known[0], known[1] + delay_s, window_s)
+            late = first_order(known[0], known[1] + delay_s, window_s)
+            return replace(late, slip_limit_rad_s=linear.slip_limit_rad_s)
         whole = int(delay_s / window_s)
         part = delay_s / window_s - whole
         b = np.convolve(linear.b, [1.0 - part, part])

@@ -1,0 +1,67 @@
+"""A torque limit is found where there is one, and only there."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from usmbench.identify.dynamics import LagFamily
+from usmbench.identify.fast import FastOptions, identify_fast
+from usmbench.model.hammerstein import StaticCurve
+from usmbench.model.linear import dead_time_s, free_run, time_constant_s
+from usmbench.model.simulate import simulate
+from usmbench.runs.record import Record
+
+Measure = Callable[..., Record]
+
+SLIP_RAD_S, NOISE_RAD_S = 8.0, 0.02
+
+
+def limited_run(measure: Measure, curve: StaticCurve, seed: int = 0, n: int = 3000) -> Record:
+    """Return a run of the motor with the same lag and a torque limit."""
+    record = measure(n, seed=seed)
+    lag = LagFamily(1.0).dynamics(np.array([np.log(0.35), 0.15]))
+    linear = replace(lag, slip_limit_rad_s=SLIP_RAD_S).linear_part(0.01)
+    clean = free_run(linear, curve.speed_rad_s(record.phase_deg))
+    rng = np.random.default_rng(100 + seed)
+    return replace(record, speed_rad_s=clean + NOISE_RAD_S * rng.standard_normal(n))
+
+
+def test_the_limit_is_found_with_an_interval(measure: Measure, curve: StaticCurve) -> None:
+    found = identify_fast([limited_run(measure, curve)], FastOptions())
+    linear = found.model.linear
+    assert linear.slip_limit_rad_s == pytest.approx(SLIP_RAD_S, rel=0.02)
+    assert time_constant_s(linear) == pytest.approx(0.0035, rel=0.02)
+    assert dead_time_s(linear) == pytest.approx(0.0015, abs=3e-5)
+    for name, truth in (
+        ("slip_limit_rad_s", SLIP_RAD_S),
+        ("tau_s", 0.0035),
+        ("dead_time_s", 0.0015),
+    ):
+        low, high = found.model.intervals[name]
+        reach = 0.5 * (high - low)
+        assert abs(truth - 0.5 * (low + high)) < 2.0 * reach
+        assert reach < 0.05 * truth
+    assert found.to_json()["slip_limit_rad_s"] == linear.slip_limit_rad_s
+    assert not found.model.unexplained
+
+
+def test_an_unseen_run_is_met_to_the_noise(measure: Measure, curve: StaticCurve) -> None:
+    model = identify_fast([limited_run(measure, curve)], FastOptions()).model
+    unseen = limited_run(measure, curve, seed=5)
+    simulation = simulate(model, unseen.phase_deg, measured_rad_s=unseen.speed_rad_s)
+    error = (unseen.speed_rad_s - simulation.speed_rad_s)[simulation.inside]
+    assert np.sqrt(np.mean(error**2)) < 1.1 * NOISE_RAD_S
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_linear_motor_gets_none(measure: Measure, seed: int) -> None:
+    found = identify_fast([measure(3000, seed=seed)], FastOptions())
+    assert found.model.linear.slip_limit_rad_s is None
+    assert found.model.intervals["slip_limit_rad_s"] is None
+
+
+def test_orders_that_the_user_fixed_stay_linear(measure: Measure, curve: StaticCurve) -> None:
+    found = identify_fast([limited_run(measure, curve)], FastOptions(na=1, nb=2))
+    assert found.model.linear.slip_limit_rad_s is None
