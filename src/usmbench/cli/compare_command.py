@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from usmbench.cli.json_output import write_json
+from usmbench.cli.plot_argument import add_plot_argument
 from usmbench.errors import InputError
 from usmbench.report.plain_text import printable
 from usmbench.runs.comparison import Comparison, compare_pairs, differing_keys
@@ -28,13 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """
     parser.add_argument("first", metavar="RUN", type=Path, help="run folder or CSV")
     parser.add_argument("second", metavar="RUN", type=Path, help="another one")
-    parser.add_argument(
-        "--plot",
-        type=Path,
-        metavar="FILE",
-        default=Path("compare.png"),
-        help="the plot: .png, .svg or .pdf [compare.png]",
-    )
+    add_plot_argument(parser, "compare.png")
     parser.add_argument("--json", metavar="FILE", help="figures as JSON; - is standard output")
 
 

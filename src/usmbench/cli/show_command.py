@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from usmbench.cli.plot_argument import add_plot_argument
 from usmbench.report.plain_text import printable
 from usmbench.runs.reader import read_run
 from usmbench.runs.record import Record
@@ -21,13 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         The subcommand's parser.
     """
     parser.add_argument("recorded", metavar="RUN", type=Path, help="run folder or CSV")
-    parser.add_argument(
-        "--plot",
-        type=Path,
-        metavar="FILE",
-        default=Path("show.png"),
-        help="the plot: .png, .svg or .pdf [show.png]",
-    )
+    add_plot_argument(parser, "show.png")
     parser.add_argument(
         "--model", type=Path, metavar="MODEL.yaml", help="draw its curve beside the pairs"
     )
