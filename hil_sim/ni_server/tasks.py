@@ -64,6 +64,16 @@ class Task:
         """Number of the sample after the last block that an event told of."""
         return self.start + self.events * self.event_samples
 
+    def events_before(self, sample: int) -> int:
+        """Return how many events tell of blocks that end at or before a sample.
+
+        Parameters
+        ----------
+        sample
+            Number of the sample after the last of those blocks.
+        """
+        return (sample - self.start) // self.event_samples
+
     def require_channel(self) -> Channel:
         """Return the channel.
 

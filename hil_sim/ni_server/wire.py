@@ -13,10 +13,10 @@ _CONTINUES: Final = 0x80
 
 
 def read_answer(response: Callable[..., Any], values: Values) -> Any:
-    """Return the answer to a read, with packed doubles where `values` are such.
+    """Return the answer to a read, its values packed without a detour.
 
-    A packed list of doubles is, on the wire, their little-endian bytes:
-    https://protobuf.dev/programming-guides/encoding/#packed
+    A packed list of doubles is, on the wire, their little-endian bytes, one of unsigned integers
+    their variable-length encodings: https://protobuf.dev/programming-guides/encoding/#packed
 
     Parameters
     ----------
@@ -26,11 +26,27 @@ def read_answer(response: Callable[..., Any], values: Values) -> Any:
         What was read, shape (N,).
     """
     if response is pb.ReadCounterU32ExResponse:
-        return response(read_array=values.tolist(), samps_per_chan_read=len(values))
-    packed = np.ascontiguousarray(values, "<f8").tobytes()
+        packed = packed_varints(values)
+    else:
+        packed = np.ascontiguousarray(values, "<f8").tobytes()
     answer = response(samps_per_chan_read=len(values))
     answer.MergeFromString(_READ_ARRAY_TAG + varint(len(packed)) + packed)
     return answer
+
+
+def packed_varints(values: Values) -> bytes:
+    """Return counts in protobuf's variable-length encoding, one behind the other.
+
+    Parameters
+    ----------
+    values
+        The counts, not negative, shape (N,), N ≥ 1.
+    """
+    # A counter stays at a value for many samples: each is encoded once.
+    begins = np.concatenate(([0], np.flatnonzero(values[1:] != values[:-1]) + 1))
+    lengths = np.diff(begins, append=len(values))
+    runs = zip(values[begins].tolist(), lengths.tolist(), strict=True)
+    return b"".join(varint(value) * length for value, length in runs)
 
 
 def varint(number: int) -> bytes:
