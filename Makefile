@@ -21,7 +21,7 @@ demo: $(VENV)/.run
 	$(BIN)/usmbench demo --out demo
 
 test: $(VENV)/.dev firmware browser
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n 2 --dist worksteal
 
 # The image that is flashed is tested too, wherever its tools are or can be had.
 firmware: $(VENV)/.dev
