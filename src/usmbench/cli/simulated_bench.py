@@ -7,16 +7,17 @@ import sys
 import tempfile
 import threading
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from typing import IO, Any
 
-from usmbench.errors import BenchError
+from usmbench.errors import BenchError, InputError, UsmbenchError
 from usmbench.settings.bench import BenchSettings, DaqSettings, GeneratorSettings
 
 START_TIMEOUT_S = 30.0
 REPLY_TIMEOUT_S = 10.0
 STOP_TIMEOUT_S = 3.0
+_LAST_WORDS_S = 0.5
 # No byte is lost on a pseudo-terminal, and a frame sent twice would shift what follows it: the
 # rows would depend on how busy this machine is.
 LOCK_STEP_REPLY_TIMEOUT_S = 2.0
@@ -36,6 +37,8 @@ class SimulatedTestbed:
     ------
     usmbench.errors.BenchError
         The process does not come up.
+    usmbench.errors.InputError
+        It refuses its arguments.
     """
 
     def __init__(self, process: "subprocess.Popen[str]", messages: IO[str]):
@@ -62,14 +65,24 @@ class SimulatedTestbed:
         except queue.Empty:
             line = ""
         if not line:
-            self._messages.seek(0)
-            said = self._messages.read().strip().splitlines()
-            raise BenchError(
-                f"the simulated testbed (python -m hil_sim) said nothing for {timeout_s:g} s or "
-                f"ended; its last words: {said[-1] if said else 'none'}"
-            )
+            raise self._why_silent(timeout_s)
         reply: dict[str, Any] = json.loads(line)
         return reply
+
+    def _why_silent(self, timeout_s: float) -> UsmbenchError:
+        """Return what is wrong where no reply came: our arguments, or the testbed."""
+        with suppress(subprocess.TimeoutExpired):
+            self._process.wait(_LAST_WORDS_S)
+        self._messages.seek(0)
+        said = (self._messages.read().strip().splitlines() or ["none"])[-1]
+        if self._process.returncode == InputError.exit_status:
+            return InputError(f"the simulated testbed refuses its arguments: {said}")
+        what = f"said nothing for {timeout_s:g} s"
+        if self._process.returncode is not None:
+            what = f"ended with status {self._process.returncode}"
+        return BenchError(
+            f"the simulated testbed (python -m hil_sim) {what}; its last words: {said}"
+        )
 
     def set_load(self, torque_nm: float) -> None:
         """Set the load torque of the simulated motor.
@@ -119,6 +132,8 @@ def start_testbed(arguments: Sequence[str]) -> Iterator[SimulatedTestbed]:
     ------
     usmbench.errors.BenchError
         It does not start.
+    usmbench.errors.InputError
+        It refuses its arguments.
     """
     command = [sys.executable, "-m", "hil_sim", "--json", "--stdin-control", *arguments]
     with tempfile.TemporaryFile("w+") as messages:

@@ -10,7 +10,7 @@ import pytest
 
 from usmbench.cli.main import main
 from usmbench.cli.simulated_bench import start_testbed
-from usmbench.errors import BenchError
+from usmbench.errors import BenchError, InputError
 from usmbench.runs.reader import read_run
 
 PLAN = """\
@@ -71,11 +71,26 @@ def test_the_testbed_answers_and_goes_when_it_is_not_needed() -> None:
     assert not Path(testbed.port).exists()
 
 
-def test_a_testbed_that_cannot_start_says_why() -> None:
+def test_a_testbed_that_refuses_its_arguments_says_why() -> None:
     with (
-        pytest.raises(BenchError, match=r"last words.*no-such-option"),
+        pytest.raises(InputError, match=r"refuses.*no-such-option"),
         start_testbed(["--no-such-option"]),
     ):
+        pass
+
+
+def test_a_wrong_defect_is_bad_input(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["sweep", plan_file(tmp_path), "--bench", "simulated", "--out", str(tmp_path / "run")]
+    assert main([*words, "--defect", "worn=3"]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "worn_contact" in said
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_testbed_that_cannot_start_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.executable", "/bin/false")
+    with pytest.raises(BenchError, match="ended with status 1"), start_testbed([]):
         pass
 
 
