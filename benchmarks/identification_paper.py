@@ -46,7 +46,7 @@ class Starts:
 def forty_points(warm_up_s: int) -> Record:
     """Return 40 settled pairs of the simulated motor, scaled to 1."""
     phases_deg = np.linspace(-90.0, 90.0, N_POINTS)
-    return scaled(measured(head(warm_up_s=warm_up_s) + points(phases_deg), 1))
+    return scaled(measured([head(warm_up_s=warm_up_s) + points(phases_deg)], 1)[0])
 
 
 def from_random_starts(record: Record, alpha: float, seeds: int) -> Starts:

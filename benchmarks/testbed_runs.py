@@ -1,6 +1,7 @@
 """Runs of the simulated motor for the identification's benchmarks, by the sweep's own code."""
 
 import tempfile
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -55,8 +56,8 @@ def excitation(kind: str, seed: int, duration_s: float) -> str:
     )
 
 
-def measured(plan: str, seed: int) -> Record:
-    """Drive a plan on the motor with its own noise, and leave rest and warm-up out."""
+def measured(plans: Sequence[str], seed: int) -> list[Record]:
+    """Drive plans one after another on one motor, and leave rests and warm-ups out."""
     # Whether counts were lost is not in question here.
     settings = BenchSettings(
         name="simulated in process", interlocks=InterlockSettings(index_error_max_counts=None)
@@ -65,13 +66,21 @@ def measured(plan: str, seed: int) -> Record:
         tempfile.TemporaryDirectory() as folder,
         in_process_bench(settings=settings, plant=MotorPlant(seed=seed)).opened() as bench,
     ):
-        sweep_new(bench, parse_plan(parse_source(plan, "plan.yaml")), Path(folder) / "run")
-        record = read_run(Path(folder) / "run")
+        runs = []
+        for number, plan in enumerate(plans, start=1):
+            run = Path(folder) / f"run-{number}"
+            sweep_new(bench, parse_plan(parse_source(plan, "plan.yaml")), run)
+            runs.append(_driven(read_run(run), f"motor {seed}, run {number}"))
+    return runs
+
+
+def _driven(record: Record, name: str) -> Record:
+    """Return the rows with the drive on after the warm-up."""
     assert record.sweep is not None
     drive_on = np.asarray(record.extra["drive_on"], dtype=np.float64)
     rows = (record.sweep >= 0.0) & (drive_on != 0.0)
-    kept = {name: getattr(record, name)[rows] for name in _COLUMNS}
-    return Record(f"motor, seed {seed}", **kept, pairs=record.pairs)
+    kept = {column: getattr(record, column)[rows] for column in _COLUMNS}
+    return Record(name, **kept, pairs=record.pairs)
 
 
 def scaled(record: Record) -> Record:

@@ -44,6 +44,22 @@ class CurveRows:
     dynamics: Dynamics
     standing_deg: tuple[float, float] | None = None
 
+    def stand_for(self, rows: int) -> int:
+        """Return for how many rows of a record a smoothness chosen here holds.
+
+        The median of a dwell is as sure as the dwell is long, so what is known keeps its share
+        beside all rows of a record. Single rows are as noisy in a long record as here: there, what
+        is known weighs no more than beside the rows it was chosen on.
+
+        Parameters
+        ----------
+        rows
+            Rows of the record at this operating point.
+        """
+        if self.dynamics is NONE:
+            return rows
+        return min(rows, sum(int(np.count_nonzero(fold >= 0)) for fold in self.fold))
+
 
 def curve_rows(data: Dataset, point: int, rough: Fit) -> CurveRows:
     """Gather the samples on which a point's curve is chosen.

@@ -41,7 +41,7 @@ Array = NDArray[np.float64]
 _FIRST_DEGREE, _FIRST_STIFFNESS = 12, 1e-4
 _MIDDLE_DEGREE = 18
 _DEAD_TIMES = range(6)
-_SEARCH_ROWS = 20_000
+_SEARCH_ROWS, _SEARCH_DWELLS = (4_000, 20_000), 800
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,17 +81,15 @@ def identify_fast(records: Sequence[Record], options: FastOptions) -> Identifica
     """
     started_s = time.perf_counter()
     data = from_windows(records)
-    part = data.thinned(_SEARCH_ROWS)
+    part = data.thinned(_search_rows(data))
     family, start, choices = _shape(part, options)
     knots_deg = [choice.knots_deg for choice, _ in choices]
-    priors = [
-        prior_rows(choice.knots_deg, choice.stiffness, rows.standing_deg, part.n)
-        for choice, rows in choices
-    ]
     stretches = build_design(part, knots_deg)
-    search = robust_fit(stretches, family, start, priors)
-    best = polished(data, knots_deg, family, search)
-    estimate = Estimate(family, best, search.problem.linearised(), part.n / data.n)
+    search = robust_fit(stretches, family, start, _priors(part, choices))
+    share = part.n / data.n
+    priors = [np.sqrt(share) * prior for prior in _priors(data, choices)]
+    best = polished(data, knots_deg, family, search, priors)
+    estimate = Estimate(family, best, search.problem.linearised(), share)
     if isinstance(family, LagFamily):
         estimate = limited_fit(stretches, search, family, best) or estimate
     curves = [StaticCurve(k, d) for k, d in zip(knots_deg, best.delta, strict=True)]
@@ -113,6 +111,27 @@ def identify_fast(records: Sequence[Record], options: FastOptions) -> Identifica
     )
     warnings = (*found.warnings, *_few_phases(part, knots_deg))
     return replace(found, warnings=warnings, fit_s=time.perf_counter() - started_s)
+
+
+def _priors(data: Dataset, choices: Sequence[tuple[Choice, CurveRows]]) -> list[Array]:
+    """Rows of prior knowledge of each operating point's curve, beside these samples."""
+    return [
+        prior_rows(
+            choice.knots_deg,
+            choice.stiffness,
+            rows.standing_deg,
+            rows.stand_for(data.rows(point)),
+        )
+        for point, (choice, rows) in enumerate(choices)
+    ]
+
+
+def _search_rows(data: Dataset) -> int:
+    """Rows that hold enough dwells to tell curves and dynamics; the rest only sharpens them."""
+    fewest, most = _SEARCH_ROWS
+    dwells = sum(1 + int(np.count_nonzero(np.diff(s.phase_deg))) for s in data.segments)
+    wanted = _SEARCH_DWELLS * len(data.points) * data.n // dwells
+    return min(max(wanted, fewest), most)
 
 
 def _few_phases(data: Dataset, knots_deg: Sequence[Array]) -> list[str]:
@@ -137,7 +156,7 @@ def _shape(
     degrees = [_degrees(data, point, options, nb) for point in points]
     even = [_even_knots(data, k, min(_FIRST_DEGREE, max(degrees[k]))) for k in points]
     stretches = build_design(data, even)
-    priors = [prior_rows(knots, _FIRST_STIFFNESS, None, data.n) for knots in even]
+    priors = [prior_rows(even[k], _FIRST_STIFFNESS, None, data.rows(k)) for k in points]
     start = separable_start(stretches, options.na, nb, _DEAD_TIMES)
     family = _family(options, start)
     rough = robust_fit(stretches, family, family.parameters(start), priors).problem.fit

@@ -49,7 +49,11 @@ class Polished:
 
 
 def polished(
-    data: Dataset, knots_deg: Sequence[Array], family: Family, search: RobustFit
+    data: Dataset,
+    knots_deg: Sequence[Array],
+    family: Family,
+    search: RobustFit,
+    priors: Sequence[Array],
 ) -> Polished:
     """Go on to the minimum over all rows, where the search left some out.
 
@@ -63,6 +67,8 @@ def polished(
         Of the dynamics.
     search
         The fit to a part of the samples.
+    priors
+        Rows of prior knowledge of each operating point's curve, at their share of that part.
 
     Returns
     -------
@@ -74,7 +80,7 @@ def polished(
     here = Polished(fit.parameters, fit.dynamics, fit.delta)
     if search.n == data.n:
         return here
-    curvature = _Curvature(search, data.n)
+    curvature = _Curvature(search, priors, data.n)
     last = np.inf
     for _ in range(_MAX_PASSES):
         there, distance = _step(data, knots_deg, family, search, curvature, here)
@@ -145,13 +151,13 @@ class _Curvature:
     Triangular factors, one an operating point: the curve first, the shared dynamics after it.
     """
 
-    def __init__(self, search: RobustFit, n: int) -> None:
+    def __init__(self, search: RobustFit, priors: Sequence[Array], n: int) -> None:
         problem = search.problem
         linearised = problem.linearised()
         self._growth = n / search.n
         slope = sum(float(p.slope.sum()) for p in linearised) / search.n
-        self._priors, self._factors = problem.penalties, []
-        for point, prior in enumerate(problem.penalties):
+        self._priors, self._factors = priors, []
+        for point, prior in enumerate(priors):
             mine = [p.regressors for p in linearised if p.point == point]
             rows = np.sqrt(slope) * np.vstack(mine)
             still = np.zeros((prior.shape[0], rows.shape[1] - prior.shape[1]))

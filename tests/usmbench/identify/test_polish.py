@@ -40,7 +40,10 @@ def test_newton_steps_over_pieces_come_to_the_fit_of_all_rows(
     whole = robust_fit(
         build_design(data, [knots_deg]), family, start, [prior_rows(knots_deg, 1e-3, None, data.n)]
     )
-    found, wanted = polished(data, [knots_deg], family, few), whole.problem.fit
+    found, wanted = (
+        polished(data, [knots_deg], family, few, few.problem.penalties),
+        whole.problem.fit,
+    )
     estimate = Estimate(family, found, whole.problem.linearised(), 1.0)
     spread = covariance(estimate, whole.problem.penalties)
     off = (found.parameters - wanted.parameters) / np.linalg.norm(spread.dynamics, axis=1)
