@@ -23,12 +23,33 @@ def disk_error(path: Path, error: OSError) -> BenchError:
     usmbench.errors.BenchError
         What happened, what is safe and what to do.
     """
+    return _told(path, error, f"every row reported before is safe in {path.parent}")
+
+
+def sync_error(path: Path, error: OSError) -> BenchError:
+    """Return what the user is told when the disk does not keep what it was given.
+
+    Parameters
+    ----------
+    path
+        The file, or the run folder.
+    error
+        What the system said.
+
+    Returns
+    -------
+    usmbench.errors.BenchError
+        What happened, what is safe and what to do.
+    """
+    return _told(path, error, "rows of the last second may be lost, those before are safe")
+
+
+def _told(path: Path, error: OSError, safe: str) -> BenchError:
     full = error.errno in (errno.ENOSPC, errno.EDQUOT)
     what = "no space left on the disk" if full else error.strerror or str(error)
     mend = "free some space" if full else "mend the disk"
     return BenchError(
-        f"{path}: {what}; every row reported before is safe in {path.parent}, "
-        f"{mend} and take the plan up again with --resume {path.parent}"
+        f"{path}: {what}; {safe}, {mend} and take the plan up again with --resume {path.parent}"
     )
 
 
@@ -155,7 +176,7 @@ class AppendedFile:
         try:
             os.fsync(self._descriptor)
         except OSError as error:
-            raise disk_error(self.path, error) from error
+            raise sync_error(self.path, error) from error
 
     def close(self) -> None:
         """Release the file; safe to call twice."""

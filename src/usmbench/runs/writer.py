@@ -28,6 +28,7 @@ from usmbench.runs.columns import (
     WINDOW_COLUMNS_T,
     WINDOWS_FILE,
 )
+from usmbench.runs.disk_sync import DiskSync
 from usmbench.runs.files import AppendedFile, disk_error, replace_file, sync_folder
 from usmbench.runs.meta import now_iso, read_meta, sha256_of
 from usmbench.runs.raw import RawWriter
@@ -67,6 +68,7 @@ class RunWriter:
         self._windows = AppendedFile(folder / WINDOWS_FILE)
         self._pairs = AppendedFile(folder / PAIRS_FILE)
         self._raw = RawWriter(folder / RAW_FILE) if raw else None
+        self._disk = DiskSync(self._sync, folder)
         self._synced = time.monotonic()
 
     @classmethod
@@ -201,7 +203,7 @@ class RunWriter:
         Raises
         ------
         usmbench.errors.BenchError
-            The row could not be written; those before are safe.
+            The row could not be written, or the disk has not taken those before it.
         """
         text = (
             f"{row.t_s:.12g},{row.phase_deg:.12g},{row.speed_rad_s:.12g},{row.frequency_hz:.12g},"
@@ -212,10 +214,10 @@ class RunWriter:
             text += ",nan" if row.temperature_c is None else f",{row.temperature_c:.12g}"
         self._append(self._windows, text)
         if time.monotonic() - self._synced >= _SYNC_PERIOD_S:
-            self._sync()
+            self._force()
 
     def pair(self, row: PairRow) -> None:
-        """Append one pair and force everything so far to disk.
+        """Append one pair and have everything so far forced to disk, which is not waited for.
 
         Parameters
         ----------
@@ -225,7 +227,7 @@ class RunWriter:
         Raises
         ------
         usmbench.errors.BenchError
-            The row could not be written; those before are safe.
+            The row could not be written, or the disk has not taken those before it.
         """
         self._append(
             self._pairs,
@@ -233,7 +235,7 @@ class RunWriter:
             f"{row.speed_rad_s:.12g},{row.speed_std_rad_s:.12g},{row.n_windows:d},"
             f"{row.direction:d},{row.t_s:.12g},{row.dwell:d},{row.settled:d}",
         )
-        self._sync()
+        self._force()
 
     def raw(self, block: SampleBlock) -> None:
         """Append a block's samples to raw.h5, where the run keeps it.
@@ -286,7 +288,7 @@ class RunWriter:
     def _close_files(self) -> None:
         """Force the rows to disk and release the files."""
         try:
-            self._sync()
+            self._disk.finish()
         finally:
             self._windows.close()
             self._pairs.close()
@@ -309,22 +311,23 @@ class RunWriter:
     def _append(self, file: AppendedFile, row: str) -> None:
         """Append one row and remember a failure for `close`."""
         try:
+            self._disk.check()
             file.append((row + "\n").encode())
         except BenchError as error:
             self._failure = error
             raise
 
+    def _force(self) -> None:
+        """Have everything forced to disk meanwhile."""
+        self._disk.request()
+        self._synced = time.monotonic()
+
     def _sync(self) -> None:
         """Force everything to disk, windows before the pairs that were made from them."""
-        try:
-            self._windows.sync()
-            self._pairs.sync()
-            if self._raw is not None:
-                self._raw.sync()
-        except BenchError as error:
-            self._failure = error
-            raise
-        self._synced = time.monotonic()
+        self._windows.sync()
+        self._pairs.sync()
+        if self._raw is not None:
+            self._raw.sync()
 
 
 def _yaml(meta: Mapping[str, Any]) -> bytes:

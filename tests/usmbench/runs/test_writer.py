@@ -6,6 +6,7 @@ import random
 import subprocess
 import sys
 import textwrap
+import threading
 import time
 from collections.abc import Callable
 from datetime import datetime
@@ -74,17 +75,23 @@ def test_rows_are_forced_to_disk_at_each_dwell_and_each_second(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     writer = create(tmp_path / "run", meta)
-    synced: list[int] = []
+    synced = threading.Semaphore(0)
     now_s = 1000.0
-    monkeypatch.setattr(os, "fsync", synced.append)
+    monkeypatch.setattr(os, "fsync", lambda _: synced.release())
     monkeypatch.setattr(time, "monotonic", lambda: now_s)
     fill(writer, 0, 1)
-    assert len(synced) == 2
-    for k in range(10, 310):
-        now_s += 0.01
-        writer.window(window(k))
-    assert len(synced) >= 2 + 2 * 3
+    assert forced(synced, 2)
+    for k in range(3):
+        now_s += 0.95
+        writer.window(window(10 + k))
+        assert forced(synced, 2)
+        writer.window(window(20 + k))
     writer.close("completed")
+    assert forced(synced, 2)
+
+
+def forced(synced: threading.Semaphore, files: int) -> bool:
+    return all(synced.acquire(timeout=10.0) for _ in range(files))
 
 
 def test_an_existing_folder_is_left_alone(tmp_path: Path, meta: dict[str, Any]) -> None:
