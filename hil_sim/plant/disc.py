@@ -144,15 +144,17 @@ class Disc:
         if self._standing is not None or (last[0] <= times_s[0] and is_rest(last)):
             shaft = RotorState(0.0, last[1], last[2])
             return np.full(times_s.size, self._true_count(shaft), dtype=np.int64)
-        pieces = np.array(path).T
-        pieces[1] = (pieces[1] - self._slip[0]) * self._counts_per_rev
-        pieces[2] = (pieces[2] - self._slip[1]) * self._counts_per_rad + self._offset
-        pieces[3:] *= self._counts_per_rad
-        ends = times_s.searchsorted(pieces[0])
+        # Columns as in a piece; turns stay apart, so that precision never fades.
+        per_rad = self._counts_per_rad
+        pieces = np.array(path)
+        pieces -= (0.0, self._slip[0], self._slip[1], 0.0, 0.0, 0.0)
+        pieces *= (1.0, self._counts_per_rev, per_rad, per_rad, per_rad, per_rad)
+        pieces += (0.0, 0.0, self._offset, 0.0, 0.0, 0.0)
+        ends = times_s.searchsorted(pieces[:, 0])
         ends[:-1] = ends[1:]
         ends[-1] = times_s.size
         ends[1:] -= ends[:-1].copy()
-        start_s, turns, c_0, c_1, c_2, c_3 = np.repeat(pieces, ends, axis=1)
+        start_s, turns, c_0, c_1, c_2, c_3 = pieces.T.repeat(ends, axis=1)
         since_s = times_s - start_s
         # Horner's scheme element by element: the same bits however the samples are split.
         c_3 *= since_s
