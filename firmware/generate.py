@@ -4,7 +4,6 @@
 exits 1 where a generated file is stale.
 """
 
-import argparse
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -12,6 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+
+from firmware.made_files import write_or_check
 
 ROOT = Path(__file__).resolve().parent.parent
 DESCRIPTION = ROOT / "firmware" / "protocol.yaml"
@@ -298,22 +299,16 @@ def main(arguments: list[str] | None = None) -> int:
     int
         Exit status: 1 where `--check` found a stale file, 2 where protocol.yaml is wrong.
     """
-    parser = argparse.ArgumentParser(description="Make the constants of the wire.")
-    parser.add_argument("--check", action="store_true", help="write nothing; exit 1 where stale")
-    check = parser.parse_args(arguments).check
     try:
-        description = load_description()
+        return write_or_check(arguments, "generate.py", "Make the constants of the wire.", _texts)
     except DescriptionError as error:
         sys.stderr.write(f"{error}\n")
         return 2
-    texts = {path: render(description) for path, render in OUTPUTS.items()}
-    stale = [p for p, text in texts.items() if not p.is_file() or p.read_text("utf-8") != text]
-    for path in stale:
-        if check:
-            sys.stderr.write(f"{path} is stale: run python firmware/generate.py\n")
-        else:
-            path.write_text(texts[path], encoding="utf-8")
-    return 1 if check and stale else 0
+
+
+def _texts() -> dict[Path, str]:
+    description = load_description()
+    return {path: render(description) for path, render in OUTPUTS.items()}
 
 
 if __name__ == "__main__":

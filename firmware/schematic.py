@@ -4,7 +4,6 @@
 drawing is stale.
 """
 
-import argparse
 import sys
 from collections import Counter
 from collections.abc import Iterator
@@ -13,6 +12,8 @@ from typing import Any
 from xml.sax.saxutils import escape
 
 import yaml
+
+from firmware.made_files import write_or_check
 
 FOLDER = Path(__file__).resolve().parent
 PITCH, STUB, BODY = 24, 34, 150
@@ -260,25 +261,15 @@ def main(arguments: list[str] | None = None) -> int:
     int
         Exit status: 1 where `--check` found a drawing stale.
     """
-    parser = argparse.ArgumentParser(description="Draw the board.")
-    parser.add_argument("--check", action="store_true", help="write nothing; exit 1 where stale")
-    check = parser.parse_args(arguments).check
+    return write_or_check(arguments, "schematic.py", "Draw the board.", _drawings)
+
+
+def _drawings() -> dict[Path, str]:
     sheets = yaml.safe_load((FOLDER / "schematic.yaml").read_text("utf-8"))
-    drawings = {
+    return {
         FOLDER / "schematic.svg": draw_board(sheets["board"]),
         FOLDER / "output_stage.svg": draw_output_stage(sheets["output_stage"]),
     }
-    stale = [
-        path
-        for path, text in drawings.items()
-        if not path.is_file() or path.read_text("utf-8") != text
-    ]
-    for path in stale:
-        if check:
-            sys.stderr.write(f"{path} is stale: run python firmware/schematic.py\n")
-        else:
-            path.write_text(drawings[path], encoding="utf-8")
-    return 1 if check and stale else 0
 
 
 if __name__ == "__main__":
