@@ -18,10 +18,11 @@ class _Knob:
 
     parent = None
 
-    def __init__(self, name: str, loop: BenchLoop, key: DataKey):
+    def __init__(self, name: str, loop: BenchLoop, key: DataKey, check: Callable[[float], object]):
         self.name = name
         self._loop = loop
         self._key = key
+        self._check = check
 
     @property
     def hints(self) -> Hints:
@@ -48,6 +49,21 @@ class _Knob:
         """Return setpoint and readback, which the board keeps the same."""
         value = self._value(self._loop.setting)
         return {"setpoint": value, "readback": value}
+
+    def check_value(self, value: float) -> None:
+        """Refuse a value that lab or board do not allow.
+
+        Parameters
+        ----------
+        value
+            Phase shift in degrees, or frequency in hertz.
+
+        Raises
+        ------
+        usmbench.errors.InputError
+            It is out of range.
+        """
+        self._check(value)
 
     def stop(self, *, success: bool = True) -> None:
         """Switch the drive off; the RunEngine calls this on any exit, pause and suspension.
@@ -76,23 +92,8 @@ class Phase(_Knob):
 
     def __init__(self, loop: BenchLoop, check: Callable[[float], object]):
         limits = loop.settings.generator.phase_limits_deg
-        super().__init__("phase_deg", loop, data_key("generator.phase", "deg", limits=limits))
-        self._check = check
-
-    def check_value(self, value: float) -> None:
-        """Refuse a phase that lab or board do not allow.
-
-        Parameters
-        ----------
-        value
-            Phase shift in degrees.
-
-        Raises
-        ------
-        usmbench.errors.InputError
-            It is out of range.
-        """
-        self._check(value)
+        key = data_key("generator.phase", "deg", limits=limits)
+        super().__init__("phase_deg", loop, key, check)
 
     def set(self, value: float) -> DeviceStatus:
         """Command a phase, with the drive on afterwards.
@@ -133,23 +134,7 @@ class Frequency(_Knob):
     def __init__(self, loop: BenchLoop, check: Callable[[float], object]):
         limits = loop.settings.generator.frequency_limits_hz
         key = data_key("generator.frequency", "Hz", limits=limits)
-        super().__init__("frequency_hz", loop, key)
-        self._check = check
-
-    def check_value(self, value: float) -> None:
-        """Refuse a frequency that lab or board do not allow.
-
-        Parameters
-        ----------
-        value
-            Frequency in hertz.
-
-        Raises
-        ------
-        usmbench.errors.InputError
-            It is out of range.
-        """
-        self._check(value)
+        super().__init__("frequency_hz", loop, key, check)
 
     def set(self, value: float) -> DeviceStatus:
         """Command a frequency.
