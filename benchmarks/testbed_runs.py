@@ -13,7 +13,6 @@ from hil_sim.plant import MotorPlant
 from usmbench.cli.sweep_run import sweep_new
 from usmbench.runs.reader import read_run
 from usmbench.runs.record import Record
-from usmbench.settings.bench import BenchSettings, InterlockSettings
 from usmbench.settings.plan_file import parse_plan
 from usmbench.settings.yaml_source import parse_source
 
@@ -58,13 +57,9 @@ def excitation(kind: str, seed: int, duration_s: float) -> str:
 
 def measured(plans: Sequence[str], seed: int) -> list[Record]:
     """Drive plans one after another on one motor, and leave rests and warm-ups out."""
-    # Whether counts were lost is not in question here.
-    settings = BenchSettings(
-        name="simulated in process", interlocks=InterlockSettings(index_error_max_counts=None)
-    )
     with (
         tempfile.TemporaryDirectory() as folder,
-        in_process_bench(settings=settings, plant=MotorPlant(seed=seed)).opened() as bench,
+        in_process_bench(plant=MotorPlant(seed=seed)).opened() as bench,
     ):
         runs = []
         for number, plan in enumerate(plans, start=1):
