@@ -5,6 +5,9 @@ from typing import Any
 
 import pytest
 
+from board_script import CONNECT, connect
+from usmbench.instruments.generator import SignalGenerator
+
 
 class ScriptedPort:
     """Each write must be the next step's; its answer can then be read. Time passes in reads only.
@@ -65,3 +68,13 @@ class ScriptedPort:
 @pytest.fixture
 def scripted_port() -> Callable[..., Any]:
     return ScriptedPort
+
+
+@pytest.fixture
+def port(scripted_port: Callable[..., Any]) -> Any:
+    return scripted_port(*CONNECT)
+
+
+@pytest.fixture
+def generator(port: Any) -> SignalGenerator:
+    return connect(port)
