@@ -39,7 +39,7 @@ class _OneLineParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Raise the usage error as bad input."""
-        raise InputError(f"{self.prog}: {message} (see `{self.prog} --help`)")
+        raise InputError(f"{message} (see `{self.prog} --help`)")
 
 
 def build_parser(command: str | None = None) -> argparse.ArgumentParser:
@@ -84,7 +84,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = _joined(sys.argv[1:] if arguments is None else arguments)
     command = next((word for word in words if word in COMMANDS), None)
     try:
-        parsed = build_parser(command).parse_args(words)
+        parsed, unknown = build_parser(command).parse_known_args(words)
+        if unknown:
+            said = f"unrecognized arguments: {' '.join(unknown)}"
+            raise InputError(f"{said} (see `usmbench {parsed.command} --help`)")
         return int(parsed.run(parsed))
     except UsmbenchError as error:
         notes = getattr(error, "__notes__", [])

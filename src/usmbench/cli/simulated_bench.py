@@ -14,7 +14,7 @@ from typing import IO, Any
 from usmbench.errors import BenchError, InputError, UsmbenchError
 from usmbench.settings.bench import BenchSettings, DaqSettings, GeneratorSettings
 
-START_TIMEOUT_S = 30.0
+START_TIMEOUT_S = 60.0
 REPLY_TIMEOUT_S = 10.0
 STOP_TIMEOUT_S = 3.0
 _LAST_WORDS_S = 0.5

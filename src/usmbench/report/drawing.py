@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from usmbench.errors import InputError
 
 CURVE_POINTS = 721
+_FORMATS = {".png", ".svg", ".pdf"}
 # Rising and falling passes differ in shape as well as in shade: they must be told apart in grey.
 PASSES = ((1.0, "^", "rising φ", "0.15"), (-1.0, "v", "falling φ", "0.55"))
 
@@ -27,12 +28,14 @@ def save_figure(figure: Figure, path: Path) -> None:
     InputError
         The file cannot be written, or its format is unknown.
     """
+    if path.suffix.lower() not in _FORMATS:
+        raise InputError("its ending names no format; give a .png, .svg or .pdf", file=path)
     try:
         with warnings.catch_warnings():
             # A run's name may hold letters that the plot's font does not have.
             warnings.filterwarnings("ignore", "Glyph .* missing from font")
             figure.savefig(path, dpi=130)
-    except (OSError, ValueError) as error:
-        raise InputError(
-            f"cannot be written ({error}); give a .png, .svg or .pdf", file=path
-        ) from error
+    except OSError as error:
+        why = error.strerror or error
+        message = f"cannot be written ({why}); give a file in a folder that exists"
+        raise InputError(message, file=path) from None

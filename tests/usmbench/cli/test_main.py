@@ -25,7 +25,15 @@ def test_every_command_explains_itself(command: str, capsys: pytest.CaptureFixtu
 
 
 @pytest.mark.parametrize(
-    "words", [[], ["sweeep"], ["replay"], ["sweep", "--bench"], ["identify", "a", "--degree", "x"]]
+    "words",
+    [
+        [],
+        ["sweeep"],
+        ["replay"],
+        ["sweep", "--bench"],
+        ["identify", "a", "--degree", "x"],
+        ["runs", "--foo"],
+    ],
 )
 def test_wrong_usage_is_one_line_and_status_2(
     words: list[str], capsys: pytest.CaptureFixture[str]
