@@ -173,8 +173,8 @@ class Disc:
 
     def _index_pulses(self, true: NDArray[np.int64]) -> NDArray[np.int64]:
         """Crossings of the index line, in either direction, up to each sample."""
-        low = (int(true.min()) - self._index_count) // self._counts_per_rev
-        high = (int(true.max()) - self._index_count) // self._counts_per_rev
+        low = (int(np.minimum.reduce(true)) - self._index_count) // self._counts_per_rev
+        high = (int(np.maximum.reduce(true)) - self._index_count) // self._counts_per_rev
         if low == high == self._turn:
             return np.full(true.size, self._pulses, dtype=np.int64)
         turns = (true - self._index_count) // self._counts_per_rev

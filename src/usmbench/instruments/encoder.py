@@ -179,7 +179,7 @@ def _edges(
 ) -> tuple[NDArray[np.intp], list[int]]:
     """Return where in the block the counter changed, and by how much, wraps undone."""
     change = counts[1:] - counts[:-1]
-    where = np.flatnonzero(change)
+    (where,) = change.nonzero()
     changes = change[where]
     where += 1
     if counts[0] != last_count:
