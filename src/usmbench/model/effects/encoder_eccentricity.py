@@ -6,7 +6,7 @@ import numpy as np
 
 from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
 
-_TURNS = 1.5
+_TURNS = 0.5
 
 
 class EncoderEccentricity(Effect):

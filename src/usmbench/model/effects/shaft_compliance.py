@@ -1,14 +1,21 @@
-"""A soft shaft between motor and disc."""
+"""A soft shaft or coupling: between motor and disc, or between both and a load that swings."""
 
 import math
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
-from scipy.signal import lfilter
+from scipy.signal import cont2discrete, lfilter
 
 from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+from usmbench.model.linear import time_constant_s
 
 _SUBSTEPS = 8
+_MEND = "Tighten or stiffen the coupling between motor and disc; look for a cracked helix."
+_SHAPE = (
+    Parameter("period_s", "s", 0.0, 0.0, 0.5, 0.003, scanned=True),
+    Parameter("damping", "1", 0.1, 0.01, 0.8, 0.05, scanned=True),
+)
 
 
 class ShaftCompliance(Effect):
@@ -20,12 +27,9 @@ class ShaftCompliance(Effect):
 
     name = "shaft_compliance"
     meaning = "The shaft or its coupling twists: the disc rings after the rotor changes speed."
-    mend = "Tighten or stiffen the coupling between motor and disc; look for a cracked helix."
+    mend = _MEND
     stage = "motion"
-    parameters = (
-        Parameter("period_s", "s", 0.0, 0.0, 0.5, 0.003, scanned=True),
-        Parameter("damping", "1", 0.1, 0.01, 0.8, 0.05, scanned=True),
-    )
+    parameters: ClassVar[tuple[Parameter, ...]] = _SHAPE
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the disc's speed.
@@ -39,9 +43,7 @@ class ShaftCompliance(Effect):
             return signal
         step_s = context.window_s / _SUBSTEPS
         b, a = _held(2.0 * math.pi / values["period_s"], values["damping"], step_s)
-        held = np.repeat(signal - signal[0], _SUBSTEPS)
-        rung: Array = lfilter(b, a, held).reshape(-1, _SUBSTEPS).mean(axis=1) + signal[0]
-        return rung
+        return np.asarray(signal[0] + _averaged(b, a, signal - signal[0]))
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
         """Return periods from a tenth of a window to some thirty.
@@ -69,4 +71,42 @@ def _held(natural_rad_s: float, damping: float, step_s: float) -> tuple[Array, A
     return np.array([0.0, b1, b2]), np.array([1.0, -2.0 * fall * cosine, fall * fall])
 
 
-FORMS = (ShaftCompliance(),)
+def _averaged(b: Array, a: Array, signal: Array) -> Array:
+    """Filter a signal held through parts of a window, and average over the window."""
+    mean: Array = lfilter(b, a, np.repeat(signal, _SUBSTEPS)).reshape(-1, _SUBSTEPS).mean(axis=1)
+    return mean
+
+
+class SwingingLoad(ShaftCompliance):
+    """Behind a soft coupling hangs a load of `load_share` of the motor's moment of inertia.
+
+    It follows the rotor as H = (2ζω_n s + ω_n²)/(s² + 2ζω_n s + ω_n²) and takes its torque from
+    it: ω′ = ω − m τ s H/(τ s + 1) ω, to first order in its share m.
+    """
+
+    form = "swinging load"
+    meaning = "A load behind a soft coupling swings against the motor after every step."
+    parameters = (Parameter("load_share", "1", 0.0, 0.0, 1.0, 0.03), *_SHAPE)
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the rotor's speed.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        tau_s = time_constant_s(context.linear)
+        if values["period_s"] <= 0.0 or values["load_share"] <= 0.0 or not tau_s:
+            return signal
+        natural, damping = 2.0 * math.pi / values["period_s"], values["damping"]
+        swing = np.array([1.0, 2.0 * damping * natural, natural**2])
+        pulled = tau_s * np.array([2.0 * damping * natural, natural**2, 0.0])
+        b, a, _ = cont2discrete(
+            (pulled, np.convolve(swing, [tau_s, 1.0])), context.window_s / _SUBSTEPS
+        )
+        taken = _averaged(np.ravel(b), a, signal - signal[0])
+        return np.asarray(signal - values["load_share"] * taken)
+
+
+FORMS = (ShaftCompliance(), SwingingLoad())
