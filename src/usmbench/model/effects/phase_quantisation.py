@@ -9,10 +9,20 @@ from usmbench.model.effects.base import Array, Context, Effect, Parameter, Value
 _MEANING = "The generator sets the phase on a coarse grid instead of where it is commanded."
 _MEND = "Read the generator's phase register back, and check how many of its bits are written."
 _COARSEST_DEG = 60.0
+_FINEST_DEG = 0.4
+_MANY = 100
+# Registers with n values, and round numbers of degrees.
+_USUAL_DEG = sorted(
+    {
+        *(360.0 / 2.0**n for n in range(3, 13)),
+        *(0.1, 0.2, 0.25, 0.5, 1, 1.5, 1.8, 2, 2.5, 3, 3.6, 4, 5, 6, 7.2, 7.5, 8, 9, 10),
+        *(12, 15, 18, 20, 24, 30, 36, 40, 60),
+    }
+)
 
 
 class RoundedPhase(Effect):
-    """φ′ = q round(φ/q): the register's low bits are missing and the value is rounded."""
+    """φ′ = q round(φ/q), halves to the even neighbour: the register's low bits are missing."""
 
     name = "phase_quantisation"
     form = "rounded"
@@ -30,22 +40,53 @@ class RoundedPhase(Effect):
             As in `Effect.apply`.
         """
         step_deg = values["step_deg"]
-        if step_deg <= 0.0:
-            return signal
-        return step_deg * np.floor(signal / step_deg + 0.5)
+        return signal if step_deg <= 0.0 else step_deg * self.whole(signal / step_deg)
+
+    @staticmethod
+    def whole(steps: Array) -> Array:
+        """Return whole numbers of steps.
+
+        Parameters
+        ----------
+        steps
+            As commanded, shape (N,).
+        """
+        return np.asarray(np.rint(steps))
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
-        """Return the grids of a register with n values, and round numbers of degrees.
+        """Return usual steps; where there are many phases, all steps that these tell apart.
+
+        Between two neighbours no phase then moves by more than half a step. A staircase of few
+        levels could be bent into any shape by a free choice of the step.
 
         Parameters
         ----------
         contexts
             All stretches.
         """
-        register = 360.0 / 2.0 ** np.arange(3, 13)
-        decimal = [0.1, 0.2, 0.25, 0.5, 1, 1.5, 1.8, 2, 2.5, 3, 3.6, 4, 5, 6, 7.2, 7.5, 8, 9, 10]
-        coarse = [12, 15, 18, 20, 24, 30, 36, 40, 60]
-        return {"step_deg": np.unique([*register, *decimal, *coarse])}
+        if max(np.unique(c.phase_deg).size for c in contexts) < _MANY:
+            return {"step_deg": np.array(_USUAL_DEG)}
+        farthest_deg = max(float(np.max(np.abs(c.phase_deg))) for c in contexts)
+        steps = np.arange(2.0, 2.0 * farthest_deg / _FINEST_DEG)
+        even = 2.0 * farthest_deg / steps
+        return {"step_deg": np.unique([*_USUAL_DEG, *even[even <= _COARSEST_DEG]])}
+
+
+class RoundedUpPhase(RoundedPhase):
+    """φ′ = q ⌊φ/q + ½⌋: halves go up, as where half a step is added before the bits are cut."""
+
+    form = "rounded up"
+
+    @staticmethod
+    def whole(steps: Array) -> Array:
+        """Return whole numbers of steps.
+
+        Parameters
+        ----------
+        steps
+            As commanded, shape (N,).
+        """
+        return np.asarray(np.floor(steps + 0.5))
 
 
 class TruncatedPhase(RoundedPhase):
@@ -53,18 +94,16 @@ class TruncatedPhase(RoundedPhase):
 
     form = "cut off"
 
-    def apply(self, signal: Array, context: Context, values: Values) -> Array:
-        """Return the phase on the grid below.
+    @staticmethod
+    def whole(steps: Array) -> Array:
+        """Return whole numbers of steps below.
 
         Parameters
         ----------
-        signal, context, values
-            As in `Effect.apply`.
+        steps
+            As commanded, shape (N,).
         """
-        step_deg = values["step_deg"]
-        if step_deg <= 0.0:
-            return signal
-        return step_deg * np.floor(signal / step_deg + 1e-9)
+        return np.asarray(np.floor(steps + 1e-9))
 
 
-FORMS = (RoundedPhase(), TruncatedPhase())
+FORMS = (RoundedPhase(), RoundedUpPhase(), TruncatedPhase())
