@@ -115,17 +115,19 @@ class MotorBench:
 
     def _compare(self, outcome: Outcome, record: Record, draw: Draw) -> None:
         """Hold what is hidden against the noise, and against the model's error."""
-        excited, quiet = draw.excited, self._quiet(draw.excited, 0)
+        excited, quiet = draw.excited, self._quiet(draw.excited, draw.number)
         hidden = self._quiet(excited, draw.number, draw.hidden.made)
         healthy = read_run(self.measured(excited, _HEALTHY)).speed_rad_s
-        noise, even = _noise(record.speed_rad_s, hidden), _noise(healthy, quiet)
-        level = 1.4826 * float(np.median(np.abs(even)))
-        again = (hidden - quiet) + noise - even
-        effect = _confirmed(hidden - quiet, again, _FAR * level)
-        outcome.strength = float(np.sqrt(np.mean(effect**2) / np.mean(even**2)))
+        even = _without_gain(healthy - quiet, quiet)
+        effect, again = hidden - quiet, record.speed_rad_s - healthy
+        regular = np.abs(quiet - self._quiet(excited, 0)) < _level(even)
+        sure = regular & _regular(even) & _sure(effect, again, _FAR * _level(even))
+        usual = np.mean(even[sure] ** 2) + np.mean((self._motor.wander * quiet[sure]) ** 2)
+        outcome.strength = float(np.sqrt(np.mean(effect[sure] ** 2) / usual))
         error, inside = _error(self.model, record)
         floor = record.speed_rad_s - hidden
-        outcome.oracle_gain = _gain(error[inside], (error - effect)[inside], floor[inside])
+        rows = inside & sure & _regular(floor)
+        outcome.oracle_gain = _gain(error[rows], (error - effect)[rows], floor[rows])
 
     def _fresh_gain(self, draw: Draw) -> float:
         """Share of the mean square above the noise that the extension removes on another run."""
@@ -135,7 +137,8 @@ class MotorBench:
         plain, inside = _error(self.model, record)
         better, _ = _error(self._extended, record)
         noise = record.speed_rad_s - self._quiet(excited, day, defects)
-        return _gain(plain[inside], better[inside], noise[inside])
+        rows = inside & _regular(noise)
+        return _gain(plain[rows], better[rows], noise[rows])
 
 
 def _error(model: Path, record: Record) -> tuple[Array, NDArray[np.bool_]]:
@@ -144,20 +147,30 @@ def _error(model: Path, record: Record) -> tuple[Array, NDArray[np.bool_]]:
     return record.speed_rad_s - simulation.speed_rad_s, simulation.inside
 
 
-def _noise(measured: Array, quiet: Array) -> Array:
-    """Noise of a run: what it has beyond the motor without noise, less the wander of the gain."""
-    noise = measured - quiet
-    return noise - float(noise @ quiet) / float(quiet @ quiet) * quiet
+def _without_gain(error: Array, quiet: Array) -> Array:
+    """Take the wander of the gain out of a healthy run's error."""
+    return error - float(error @ quiet) / float(quiet @ quiet) * quiet
 
 
-def _confirmed(effect: Array, again: Array, far_rad_s: float) -> Array:
-    """Take what is far out only as far as a second pair of runs shows it too.
+def _level(error: Array) -> float:
+    """Spread of the bulk of an error."""
+    return 1.4826 * float(np.median(np.abs(error)))
+
+
+def _regular(error: Array) -> NDArray[np.bool_]:
+    """Return the windows that are not far out."""
+    near: NDArray[np.bool_] = np.abs(error) < _FAR * _level(error)
+    return near
+
+
+def _sure(effect: Array, again: Array, far_rad_s: float) -> NDArray[np.bool_]:
+    """Return the windows in which a second pair of runs shows as large an effect, if it is large.
 
     Whether the motor starts in a window or in the next, and on which side of a window's end an
     edge falls where it hardly turns, may hang on nothing at all.
     """
-    both = np.where(effect * again > 0.0, np.minimum(np.abs(effect), np.abs(again)), 0.0)
-    return np.where(np.abs(effect) > far_rad_s, np.sign(effect) * both, effect)
+    near = (effect * again > 0.0) & (np.abs(again) > 0.5 * np.abs(effect))
+    return (np.abs(effect) < far_rad_s) | near
 
 
 def _gain(before: Array, after: Array, noise: Array) -> float:
