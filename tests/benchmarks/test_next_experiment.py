@@ -1,4 +1,4 @@
-"""The small version: a delay in a triangle is named alone in the end, never wrongly."""
+"""The small version: delay or hysteresis in a triangle, the delay alone after the experiment."""
 
 import importlib.util
 import sys
@@ -22,8 +22,7 @@ def test_the_proposed_experiment_decides_between_delay_and_hysteresis(tmp_path: 
     steps_deg = {round(abs(b - a), 6) for a, b in pairwise(phases_deg)}
     assert len(steps_deg) == 1
     steps = list(benchmark.Motor(tmp_path, 1).decided(parse_defect("command_queue=80")))
-    for step in steps[:-1]:
-        assert "transport_delay" in step.named[0]
-        assert len(step.named[0]) > 1
-        assert "Odds" in step.proposal
+    assert {"transport_delay", "dead_zone_hysteresis"} <= set(steps[0].named[0])
+    assert len(steps) > 1
+    assert all("Odds" in step.proposal for step in steps[:-1])
     assert steps[-1].named[0] == ("transport_delay",)

@@ -1,7 +1,7 @@
 """Fit effects to the whitened residual: a scan of what shapes them, then damped Gauss–Newton."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -20,6 +20,7 @@ _ZOOM_POINTS = 7
 _STEPS = 10
 _TOLERANCE = 1e-3
 _STEP_SHARE = 0.05  # of the typical size, for derivatives
+_AT_ONCE = 64  # columns carried together
 _EDGE_95 = 3.84  # 95 % of chi-squared with one degree of freedom
 
 
@@ -80,11 +81,10 @@ def fit_effect(problem: Problem, effect: Effect, given: Sequence[Applied] = ()) 
     search = _Search(problem, effect, tuple(given))
     scanned = [p for p in effect.parameters if p.scanned]
     sized = [p for p in effect.parameters if not p.scanned]
-    if not scanned:
-        values, drop = search.sized_best({}, sized) if sized else search.whole({})
-        roughness = 0.0
-    else:
+    if scanned:
         values, drop, roughness = search.scan(scanned, sized)
+    else:
+        ((values, drop, _),), roughness = search.best([{}], sized), 0.0
     return Fit((*given, Applied(effect, values)), drop, roughness)
 
 
@@ -188,61 +188,65 @@ class _Search:
             self._left = problem.residual - problem.carried(self._base)
         self._dev = float(self._left @ self._left)
 
-    def column(self, values: dict[str, float]) -> Array:
-        """Return the carried change that the effect makes."""
-        change = self._problem.change_rad_s((*self._given, Applied(self._effect, values)))
+    def columns(self, points: Sequence[Mapping[str, float]]) -> Array:
+        """Return the carried changes that the effect makes at each point, shape (M, points)."""
+        changes = [
+            self._problem.change_rad_s((*self._given, Applied(self._effect, values)))
+            for values in points
+        ]
+        parts = [np.column_stack(part) for part in zip(*changes, strict=True)]
         if self._base is not None:
-            change = [c - b for c, b in zip(change, self._base, strict=True)]
-        return self._problem.carried(change)
+            parts = [part - base[:, None] for part, base in zip(parts, self._base, strict=True)]
+        return self._problem.carried(parts)
 
-    def whole(self, values: dict[str, float]) -> tuple[dict[str, float], float]:
-        """Return the drop of the deviance where the effect has no size of its own."""
-        column = self.column(values)
-        return values, float(2.0 * column @ self._left - column @ column)
+    def best(
+        self, shapes: Sequence[Mapping[str, float]], sized: Sequence[Parameter]
+    ) -> Iterator[tuple[dict[str, float], float, Array]]:
+        """Yield the best values at each shape, the drop they bring, and the unit column."""
+        for at in range(0, len(shapes), _AT_ONCE):
+            chunk = shapes[at : at + _AT_ONCE]
+            if not sized:
+                columns = self.columns(chunk)
+                drops = 2.0 * (self._left @ columns) - np.sum(columns**2, axis=0)
+                for shape, drop, column in zip(chunk, drops, columns.T, strict=True):
+                    yield dict(shape), float(drop), column
+                continue
+            nulls = {q.name: q.null for q in sized}
+            points = [
+                {**shape, **nulls, p.name: p.null + p.typical} for shape in chunk for p in sized
+            ]
+            typical = np.tile([p.typical for p in sized], len(chunk))
+            columns = self.columns(points) / typical
+            for k, shape in enumerate(chunk):
+                own = columns[:, k * len(sized) : (k + 1) * len(sized)]
+                yield *self._sized(shape, sized, own), own[:, 0]
 
-    def sized_best(
-        self, shape: dict[str, float], sized: Sequence[Parameter]
+    def _sized(
+        self, shape: Mapping[str, float], sized: Sequence[Parameter], matrix: Array
     ) -> tuple[dict[str, float], float]:
         """Return the best sizes at fixed shape, to first order, and the drop they bring."""
-        columns = []
-        for p in sized:
-            values = {**shape, **{q.name: q.null for q in sized}, p.name: p.null + p.typical}
-            columns.append(self.column(values) / p.typical)
-        matrix = np.column_stack(columns)
-        normal = matrix.T @ matrix
-        sizes = np.linalg.lstsq(
-            normal + 1e-12 * np.trace(normal) * np.eye(len(sized)),
-            matrix.T @ self._left,
-            rcond=None,
-        )[0]
-        values = dict(shape)
-        for p, size in zip(sized, sizes, strict=True):
-            values[p.name] = float(np.clip(p.null + size, p.low, p.high))
-        kept = np.array([values[p.name] - p.null for p in sized])
-        drop = float(2.0 * kept @ (matrix.T @ self._left) - kept @ normal @ kept)
-        self._unit = matrix[:, 0]
-        return values, drop
-
-    def _at(
-        self, shape: dict[str, float], sized: Sequence[Parameter]
-    ) -> tuple[dict[str, float], float, Array]:
-        if sized:
-            values, drop = self.sized_best(shape, sized)
-            return values, drop, self._unit
-        column = self.column(shape)
-        return shape, float(2.0 * column @ self._left - column @ column), column
+        normal, slope = matrix.T @ matrix, matrix.T @ self._left
+        ridge = 1e-12 * np.trace(normal) * np.eye(len(sized))
+        sizes = np.linalg.lstsq(normal + ridge, slope, rcond=None)[0]
+        kept = np.array(
+            [np.clip(p.null + z, p.low, p.high) - p.null for p, z in zip(sized, sizes, strict=True)]
+        )
+        values = {p.name: float(p.null + z) for p, z in zip(sized, kept, strict=True)}
+        return {**shape, **values}, float(2.0 * kept @ slope - kept @ normal @ kept)
 
     def scan(
         self, scanned: Sequence[Parameter], sized: Sequence[Parameter]
     ) -> tuple[dict[str, float], float, float]:
-        """Try a grid of shapes, then ever finer ones around the best."""
+        """Try a grid of shapes; return the best, and the path that the unit column turns along."""
         grids = self._effect.grid([s.context for s in self._problem.stretches])
         axes = [np.clip(grids[p.name], p.low, p.high) for p in scanned]
+        shapes = [
+            {p.name: float(x) for p, x in zip(scanned, point, strict=True)}
+            for point in product(*axes)
+        ]
         best: tuple[dict[str, float], float] | None = None
         turned, before = 0.0, None
-        for point in product(*axes):
-            shape = {p.name: float(x) for p, x in zip(scanned, point, strict=True)}
-            values, drop, column = self._at(shape, sized)
+        for values, drop, column in self.best(shapes, sized):
             if best is None or drop > best[1]:
                 best = (values, drop)
             size = float(np.linalg.norm(column))
@@ -268,9 +272,9 @@ class _Search:
         for _ in range(_ZOOM_ROUNDS):
             k = int(np.argmin(np.abs(near - best[0][parameter.name])))
             near = np.linspace(near[max(k - 1, 0)], near[min(k + 1, near.size - 1)], _ZOOM_POINTS)
-            for value in near:
-                shape = {p.name: best[0][p.name] for p in scanned} | {parameter.name: float(value)}
-                values, drop, _ = self._at(shape, sized)
+            held = {p.name: best[0][p.name] for p in scanned}
+            shapes = [{**held, parameter.name: float(value)} for value in near]
+            for values, drop, _ in self.best(shapes, sized):
                 if drop > best[1]:
                     best = (values, drop)
         return best

@@ -1,6 +1,6 @@
 """What an extension gains on blocks of the runs that its fit has not seen."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 from usmbench.diagnose.fitting import Fit, refine
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.stretches import Mask
+from usmbench.model.linear import memory_windows
 
 Array = NDArray[np.float64]
 
 _FOLDS = 4
+_MARGIN = 5  # windows beyond the memory of the dynamics
 _BLOCKS = 12
 _DRAWS = 400
 _SEED = 1
@@ -39,10 +41,11 @@ class Gain:
     high: float
 
 
-def held_out_gain(
-    problem: Problem, fit: Fit, gap: int, after_masks: Sequence[Mask] | None = None
-) -> Gain:
+def held_out_gain(problem: Problem, fit: Fit, *, glitches: bool = False) -> Gain:
     """Score effects on blocks that their values were not fitted on, beside the model as given.
+
+    Rows that stand alone count neither before nor after: whether a motor starts in one window or
+    in the next may hang on nothing at all.
 
     Parameters
     ----------
@@ -50,29 +53,32 @@ def held_out_gain(
         The problem.
     fit
         The effects at their values on all rows; none scores the model against itself.
-    gap
-        Windows left out of the fit beside the blocks that are held out.
-    after_masks
-        Rows on which the extension is scored, where it calls the others false counts; None for
-        every row in use.
+    glitches
+        Whether the extension calls the rows that stand alone false counts; then the model as given
+        has to answer for them.
     """
+    held = [s.residual_rad_s.copy() for s in problem.stretches]
+    blocks = _blocks(problem)
+    for fold, refit in _refits(problem, fit):
+        for k, change in enumerate(problem.change_rad_s(refit.effects)):
+            rows = blocks[k] % _FOLDS == fold
+            held[k][rows] -= change[rows]
     sums = []
-    held = _held_out_residual(problem, fit, gap)
-    masks = [s.use for s in problem.stretches] if after_masks is None else after_masks
-    parts = zip(problem.stretches, held, masks, _blocks(problem), strict=True)
-    for stretch, after, mask, block in parts:
-        use = stretch.use
-        scored = use & mask
+    for stretch, after, mask, block in zip(
+        problem.stretches, held, problem.masks, blocks, strict=True
+    ):
+        scored = stretch.use & mask
+        plain = stretch.use if glitches else scored
         sums.append(
             np.array(
                 [
                     np.bincount(block[rows], weights=values[rows], minlength=_BLOCKS)
                     for rows, values in (
-                        (use, stretch.residual_rad_s**2),
+                        (plain, stretch.residual_rad_s**2),
                         (scored, after**2),
-                        (use, problem.noise.level_rad_s(stretch) ** 2),
-                        (use, np.ones(use.size)),
-                        (scored, np.ones(use.size)),
+                        (plain, problem.noise.level_rad_s(stretch) ** 2),
+                        (plain, np.ones(plain.size)),
+                        (scored, np.ones(plain.size)),
                     )
                 ]
             )
@@ -88,22 +94,40 @@ def held_out_gain(
     return Gain(before, after_rms, floor, value, min(low, value), max(high, value))
 
 
-def _held_out_residual(problem: Problem, fit: Fit, gap: int) -> list[Array]:
-    """Residual with effects whose values come from the other blocks."""
-    held = [s.residual_rad_s for s in problem.stretches]
-    if not fit.effects:
-        return held
-    blocks = _blocks(problem)
-    for fold in range(_FOLDS):
+def held_out_drop(problem: Problem, fit: Fit) -> float:
+    """Return by how much effects lower the deviance of blocks that their values never saw.
+
+    Effects that are not there raise it, on average by the number of their parameters.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    fit
+        The effects at their values on all rows.
+    """
+    drop = 0.0
+    for fold, refit in _refits(problem, fit):
+        unseen = problem.with_masks(
+            [m & (b % _FOLDS == fold) for m, b in zip(problem.masks, _blocks(problem), strict=True)]
+        )
+        left = unseen.residual - unseen.carried(unseen.change_rad_s(refit.effects))
+        drop += unseen.deviance - float(left @ left)
+    return drop
+
+
+def _refits(problem: Problem, fit: Fit) -> Iterator[tuple[int, Fit]]:
+    """Yield each fold with the effects at their values on the rows of the others.
+
+    Rows that the dynamics tie to the fold are left out of the fit, too.
+    """
+    gap = memory_windows(problem.stretches[0].context.linear) + _MARGIN
+    for fold in range(_FOLDS) if fit.effects else ():
         masks = [
             mask & ~_widened(block % _FOLDS == fold, gap)
-            for mask, block in zip(problem.masks, blocks, strict=True)
+            for mask, block in zip(problem.masks, _blocks(problem), strict=True)
         ]
-        refit = refine(problem.with_masks(masks), fit)
-        for k, change in enumerate(problem.change_rad_s(refit.effects)):
-            rows = blocks[k] % _FOLDS == fold
-            held[k][rows] -= change[rows]
-    return held
+        yield fold, refine(problem.with_masks(masks), fit)
 
 
 def _shares(table: Array) -> tuple[Array, float]:

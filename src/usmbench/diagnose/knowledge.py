@@ -4,6 +4,7 @@
 it under ``residual: diagnosis``; for a model without it, cautious values stand in its place.
 """
 
+from base64 import b64decode, b64encode
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -20,8 +21,8 @@ from usmbench.model.hammerstein import HammersteinModel
 Array = NDArray[np.float64]
 
 KEY = "diagnosis"
-LEAST_GAIN = 1e-3  # repeatability that one run cannot show
-LEAST_DEAD_ZONE_DEG = 0.03
+LEAST_GAIN = 3e-4  # repeatability that one run cannot show
+LEAST_DEAD_ZONE_DEG = 0.01
 _CAUTIOUS_CURVE = 0.2  # of the model's noise, at each node
 _CAUTIOUS_LAG = 0.02
 _TABLE = 2001
@@ -37,8 +38,11 @@ class Knowledge:
         The noise; None where the model says nothing and the run itself must tell.
     features
         Shapes that the model may leave.
-    mean, deviation
-        How much of each it leaves, and how far a run may be from that, shape (K,).
+    mean
+        How much of each it leaves, shape (K,).
+    root
+        Square root of the covariance of how far a run may be from that: each column is one way in
+        which it may, shape (K, K).
     gain
         Standard deviation of the gain from run to run, as a share.
     dead_zone_deg
@@ -53,7 +57,7 @@ class Knowledge:
     noise: Noise | None
     features: Features
     mean: Array
-    deviation: Array
+    root: Array
     gain: float
     dead_zone_deg: float
     spikes_hz: float = 0.0
@@ -77,10 +81,9 @@ class Knowledge:
         stretches
             The runs; each column comes as one array a stretch.
         """
-        columns = [self.features.columns(s) for s in stretches]
-        for parts, deviation in zip(zip(*columns, strict=True), self.deviation, strict=True):
-            if deviation > 0.0:
-                yield [deviation * part for part in parts]
+        shapes = [np.column_stack(list(self.features.columns(s))) for s in stretches]
+        for way in self.root.T[np.any(self.root != 0.0, axis=0)]:
+            yield [part @ way for part in shapes]
         for run in sorted({s.run for s in stretches}):
             yield [self.gain * s.simulated_rad_s * (s.run == run) for s in stretches]
             yield [self.dead_zone_deg * widening(s) * (s.run == run) for s in stretches]
@@ -91,7 +94,7 @@ class Knowledge:
             "noise": None if self.noise is None else self.noise.to_mapping(),
             "features": self.features.to_mapping(),
             "mean": [float(f"{value:.5g}") for value in self.mean],
-            "deviation": [float(f"{value:.3g}") for value in self.deviation],
+            "covariance_root": pack_root(self.root / self.features.prior[:, None]),
             "gain": self.gain,
             "dead_zone_deg": self.dead_zone_deg,
             "spikes_hz": self.spikes_hz,
@@ -116,11 +119,12 @@ def knowledge_of(model: HammersteinModel) -> Knowledge:
     if content is None:
         return _cautious(model)
     try:
+        features = _features(content["features"])
         known = Knowledge(
             noise_from_mapping(content["noise"]),
-            _features(content["features"]),
+            features,
             np.array(content["mean"], dtype=np.float64),
-            np.array(content["deviation"], dtype=np.float64),
+            features.prior[:, None] * unpack_root(content["covariance_root"], len(features.groups)),
             float(content["gain"]),
             float(content["dead_zone_deg"]),
             float(content["spikes_hz"]),
@@ -131,11 +135,47 @@ def knowledge_of(model: HammersteinModel) -> Knowledge:
             f"the model's residual: {KEY} is damaged ({error}); identify the model again"
         ) from error
     n_shapes = len(known.features.groups)
-    if known.mean.shape != (n_shapes,) or known.deviation.shape != (n_shapes,):
+    if known.mean.shape != (n_shapes,):
         raise InputError(
             f"the model's residual: {KEY} does not have {n_shapes} shapes; identify the model again"
         )
     return known
+
+
+def pack_root(root: Array) -> str:
+    """Return a lower triangular matrix as text: half-precision numbers in base 64, row by row.
+
+    Half precision leaves 3e-4 of the prior, far below what any run can show.
+
+    Parameters
+    ----------
+    root
+        In priors, shape (K, K).
+    """
+    return b64encode(root[np.tril_indices(root.shape[0])].astype("<f2").tobytes()).decode("ascii")
+
+
+def unpack_root(text: str, size: int) -> Array:
+    """Return the matrix that `pack_root` wrote, shape (size, size).
+
+    Parameters
+    ----------
+    text
+        What it returned.
+    size
+        Rows of the matrix.
+
+    Raises
+    ------
+    ValueError
+        The text holds another number of values, or one that is no number.
+    """
+    values = np.frombuffer(b64decode(text, validate=True), "<f2").astype(np.float64)
+    if values.size != size * (size + 1) // 2 or not np.all(np.isfinite(values)):
+        raise ValueError(f"covariance_root is no triangle of {size} rows of numbers")
+    root = np.zeros((size, size))
+    root[np.tril_indices(size)] = values
+    return root
 
 
 def _features(content: dict[str, Any]) -> Features:
@@ -162,7 +202,7 @@ def _cautious(model: HammersteinModel) -> Knowledge:
         None,
         features,
         np.zeros(len(groups)),
-        np.array([deviation.get(g, 0.0) for g in groups]),
+        np.diag([deviation.get(g, 0.0) for g in groups]),
         LEAST_GAIN,
         LEAST_DEAD_ZONE_DEG,
     )

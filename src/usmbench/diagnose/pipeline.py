@@ -12,7 +12,6 @@ from usmbench.diagnose.gain import Gain, held_out_gain
 from usmbench.diagnose.glitches import Glitches, find_glitches
 from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.naming import (
-    SIGNIFICANT,
     Ranked,
     alternatives,
     verdict,
@@ -34,7 +33,6 @@ from usmbench.model.effects.base import Effect
 from usmbench.model.effects.registry import library
 from usmbench.model.extended import Applied, applied_effects
 from usmbench.model.hammerstein import HammersteinModel
-from usmbench.model.linear import memory_windows
 from usmbench.runs.record import Record
 
 Array = NDArray[np.float64]
@@ -70,25 +68,22 @@ def diagnose(records: Sequence[Record], model: HammersteinModel) -> Diagnosis:
         if reason is not None and all(e.name != name for e in testable):
             refused[name] = reason
     found = search(stretches, known, own, [e for e in testable if not e.sporadic])
-    gap = memory_windows(model.linear) + 5
-    if found.named and held_out_gain(found.problem, found.fit, gap).low <= 0.0:
-        found = replace(found, named=[], fit=Fit((), 0.0, 0.0), after=found.before)
     glitches = find_glitches(found.problem, found.left_rad_s)
-    says = _verdict(found, glitches, gap)
+    says = _verdict(found, glitches)
     return _report(found, glitches, says, model, testable, tuple(refused.items()), tuple(warnings))
 
 
-def _verdict(found: Found, glitches: Glitches | None, gap: int) -> Verdict:
+def _verdict(found: Found, glitches: Glitches | None) -> Verdict:
     """Say whether what is named may stand."""
     if found.named:
-        if found.grossly_left:
+        if found.mostly_left:
             return "unexplained"
         return verdict(found.before, found.after, found.fit.statistic)
     if glitches is not None:
         return "explained" if found.before.p_value > 1e-3 else "partly_explained"
-    if found.before.p_value > SIGNIFICANT:
+    if not found.material:
         return "no_discrepancy"
-    plain = held_out_gain(found.problem, found.fit, gap)
+    plain = held_out_gain(found.problem, found.fit)
     above = plain.rmse_simulation_rad_s**2 - plain.noise_floor_rad_s**2
     return "unexplained" if above > _LEAST_EXCESS * plain.noise_floor_rad_s**2 else "no_discrepancy"
 
@@ -112,9 +107,8 @@ def _report(
         model, effects=(*model.effects, *(applied.to_mapping() for applied in effects))
     )
     left = found.left_rad_s if named else problem.residual_rad_s
-    gap = memory_windows(model.linear) + 5
-    gain = held_out_gain(problem, fit, gap, None if glitches is None else problem.masks)
-    causes = [] if not named else _causes(found, named, fit, gain, gap)
+    gain = held_out_gain(problem, fit, glitches=glitches is not None)
+    causes = [] if not named else _causes(found, named, fit, gain)
     if glitches is not None:
         causes.append(glitches.named)
     views = residual_views(problem, left, found.spread)
@@ -140,9 +134,7 @@ def _report(
     )
 
 
-def _causes(
-    found: Found, named: Sequence[list[Ranked]], fit: Fit, gain: Gain, gap: int
-) -> list[NamedCause]:
+def _causes(found: Found, named: Sequence[list[Ranked]], fit: Fit, gain: Gain) -> list[NamedCause]:
     """Describe the named causes."""
     problem = found.problem
     ranges = intervals(problem, fit)
@@ -151,7 +143,7 @@ def _causes(
         share = gain.gain
         if len(named) > 1:
             rest = Fit(tuple(a for i, a in enumerate(fit.effects) if i != k), 0.0, 0.0)
-            share = max(gain.gain - held_out_gain(problem, rest, gap).gain, 0.0)
+            share = max(gain.gain - held_out_gain(problem, rest).gain, 0.0)
         effect = applied.effect
         causes.append(
             NamedCause(

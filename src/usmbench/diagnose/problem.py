@@ -108,12 +108,12 @@ class Problem:
         ]
 
     def carried(self, signal: Sequence[Array]) -> Array:
-        """Return a residual as the vector whose square is its deviance.
+        """Return a residual as the vector whose square is its deviance, shape (M,) or (M, K).
 
         Parameters
         ----------
         signal
-            The residual of each stretch, in rad/s.
+            The residual of each stretch, in rad/s, shape (N,), or (N, K) for K of them at once.
         """
         white = self._white_parts(signal)
         if self._factor is None:
@@ -138,7 +138,8 @@ class Problem:
         for values, level, valid, weight in zip(
             signal, self._level, self._valid, self._weights, strict=True
         ):
-            parts.append((weight * lfilter(self._filter, [1.0], values / level))[valid])
+            scale, whole = weight.reshape(-1, *[1] * (values.ndim - 1)), values.T / level
+            parts.append((scale * lfilter(self._filter, [1.0], whole.T, axis=0))[valid])
         return np.concatenate(parts)
 
     def _whole(self, mask: Mask) -> Mask:

@@ -33,6 +33,7 @@ _FOLDS, _BLOCK = 4, 100
 _HUBER = 3.0
 _BEST_GAIN = 2e-4  # no bench repeats better than that
 _TIED = 100.0  # weight with which the runs' own deviations add up to 0
+_CHANCE = 1.0  # standard deviations by which chance alone lets folds differ
 _PLAIN = 30.0  # a deviance that no chance explains
 
 
@@ -85,12 +86,12 @@ def measure_knowledge(stretches: Sequence[Stretch]) -> Knowledge:
     uses = [s.use for s in stretches]
     noise = estimate_noise(stretches, residuals, uses)
     left, masks = residuals, uses
-    mean, deviation = np.zeros(0), np.zeros(0)
+    mean, root = np.zeros(0), np.zeros((0, 0))
     own = (_RUN_GAIN, _RUN_DEAD_ZONE_DEG)
     for _ in range(_ROUNDS):
         far = spiked(stretches, left, noise, near_steps=True)
         masks = [use & ~f for use, f in zip(uses, far, strict=True)]
-        mean, deviation, runs = _learn(features, stretches, noise, masks, own)
+        mean, root, runs = _learn(features, stretches, noise, masks, own)
         own = _repeatability(runs)
         expected = [features.combined(s, mean) for s in stretches]
         left = [
@@ -101,7 +102,7 @@ def measure_knowledge(stretches: Sequence[Stretch]) -> Knowledge:
     far = spiked(stretches, left, noise, near_steps=True, times=PLAIN)
     n_spikes, n_steady = count_steady(stretches, far)
     used_s = max(n_steady, 1) * stretches[0].context.window_s
-    return Knowledge(noise, features, mean, deviation, *own, n_spikes / used_s)
+    return Knowledge(noise, features, mean, root, *own, n_spikes / used_s)
 
 
 def _learn(
@@ -111,7 +112,7 @@ def _learn(
     masks: Sequence[Mask],
     repeatability: tuple[float, float],
 ) -> tuple[Array, Array, Array]:
-    """Coefficients, how far a run may be from them, and each run's own gain and dead zone."""
+    """Coefficients, root of how far a run may be from them, each run's own gain and dead zone."""
     prior = features.prior
     whiten = np.r_[1.0, -noise.ar] / noise.innovation
     n_runs = 1 + max(s.run for s in stretches)
@@ -138,9 +139,9 @@ def _learn(
         theta = np.linalg.solve(gram, slope)
     covariance = np.linalg.inv(gram)
     extra = _between(features.groups, grams, slopes)
-    deviation = prior * np.sqrt(np.diag(covariance)[: prior.size] + extra**2)
+    root = np.linalg.cholesky(covariance[: prior.size, : prior.size] + np.diag(extra**2))
     runs = theta[prior.size :].reshape(n_runs, 2) * own
-    return prior * theta[: prior.size], deviation, runs
+    return prior * theta[: prior.size], prior[:, None] * root, runs
 
 
 def _moments(
@@ -171,7 +172,7 @@ def _between(groups: Sequence[str], grams: Array, slopes: Array) -> Array:
     names = np.array(groups)
     total, slope = grams.sum(axis=0) + np.eye(grams.shape[1]), slopes.sum(axis=0)
     extra = np.zeros(names.size)
-    above = {g: [0.0, 0.0] for g in dict.fromkeys(groups)}
+    above = {g: [0.0, 0.0, 0.0] for g in dict.fromkeys(groups)}
     for gram, own in zip(grams, slopes, strict=True):
         covariance = np.linalg.inv(total - gram)
         score = own - gram @ (covariance @ (slope - own))
@@ -179,11 +180,13 @@ def _between(groups: Sequence[str], grams: Array, slopes: Array) -> Array:
             at = np.flatnonzero(names == g)
             block = gram[:, at]
             # Columns that the fold hardly excites say nothing: weigh by what they hold.
-            null = float(np.trace(block[at])) + float(np.sum(block * (covariance @ block)))
-            sums[0] += float(score[at] @ score[at]) - null
+            null = block[at] + block.T @ covariance @ block
+            sums[0] += float(score[at] @ score[at]) - float(np.trace(null))
             sums[1] += float(np.sum(block[at] ** 2))
-    for g, (excess, scale) in above.items():
-        extra[names == g] = np.sqrt(max(excess, 0.0) / scale) if scale > 0.0 else 0.0
+            sums[2] += 2.0 * float(np.sum(null**2))
+    for g, (excess, scale, variance) in above.items():
+        if excess > _CHANCE * np.sqrt(variance):
+            extra[names == g] = np.sqrt(excess / scale)
     return extra
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.fitting import Fit, refine
+from usmbench.diagnose.gain import held_out_drop
 from usmbench.diagnose.knowledge import Knowledge
 from usmbench.diagnose.naming import (
     SIGNIFICANT,
@@ -30,8 +31,10 @@ Array = NDArray[np.float64]
 _MOST_CAUSES = 3
 _HUBER = 2.5
 _MOST_ALONE = 0.05
-_GROSS = 4.0  # of the noise's mean square
-_GROSSLY_LEFT = 0.4
+_MOST_LEFT = 0.4
+_GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by a tenth
+_MATERIAL = 0.03  # of the noise's mean square
+_PLAINLY = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,24 +66,18 @@ class Found:
     after: Whole
 
     @property
-    def grossly_left(self) -> bool:
-        """Whether the residual stays far above the noise, and most of it stays."""
-        before, after = (
-            float(
-                np.mean(
-                    np.concatenate(
-                        [
-                            (r / self.problem.noise.level_rad_s(s))[mask] ** 2
-                            for r, s, mask in zip(
-                                left, self.problem.stretches, self.problem.masks, strict=True
-                            )
-                        ]
-                    )
-                )
-            )
-            for left in (self.problem.residual_rad_s, self.left_rad_s)
+    def mostly_left(self) -> bool:
+        """Whether most of what is beyond the noise and all that is known stays unexplained."""
+        n = self.problem.n_rows * self.spread**2
+        left = self.problem.deviance - self.fit.statistic - n
+        return left > _MOST_LEFT * max(self.problem.deviance - n, 0.0) and left > _GROSS * n
+
+    @property
+    def material(self) -> bool:
+        """Whether what the views show, nothing explained, is more than a trifle."""
+        return (
+            self.before.p_value < _PLAINLY and self.before.excess > _MATERIAL * self.problem.n_rows
         )
-        return after > _GROSS and after > _GROSSLY_LEFT * before
 
     @property
     def left_rad_s(self) -> list[Array]:
@@ -123,21 +120,36 @@ def search(
     basis = omnibus(problem)["all"]
     spread = _spread(problem, basis, best.fit if best.p_value < SIGNIFICANT else None)
     ranked = rank(problem, effects, spread)
+    named, fit, spread = _named(problem, basis, ranked, effects, spread)
+    before = whole_test(problem, basis, None, spread)
+    after = whole_test(problem, basis, fit, spread)
+    return Found(problem, spread, ranked, named, fit, before, after)
+
+
+def _named(
+    problem: Problem,
+    basis: Basis,
+    ranked: list[Ranked],
+    effects: Sequence[Effect],
+    spread: float,
+) -> tuple[list[list[Ranked]], Fit, float]:
+    """Add causes while each explains more of blocks that its fit has not seen."""
     named: list[list[Ranked]] = []
-    fit = Fit((), 0.0, 0.0)
-    here = ranked
+    fit, here, earned = Fit((), 0.0, 0.0), ranked, 0.0
     taken: set[str] = set()
     while here and len(named) < _MOST_CAUSES and here[0].p_value < SIGNIFICANT:
         if here[0].score <= 0.0 or (named and not earns_its_place(here[0], named[0][0])):
             break
+        longer = refine(problem, here[0].fit)
+        drop = held_out_drop(problem, longer)
+        if drop <= earned:
+            break
         named.append(here)
-        fit = refine(problem, here[0].fit)
+        fit, earned = longer, drop
         spread = max(1.0, _spread(problem, basis, fit))
         taken |= same_shape(here)
         here = rank(problem, [e for e in effects if e.name not in taken], spread, fit)
-    before = whole_test(problem, basis, None, spread)
-    after = whole_test(problem, basis, fit, spread)
-    return Found(problem, spread, ranked, named, fit, before, after)
+    return named, fit, spread
 
 
 def _without(uses: Sequence[Mask], far: Sequence[Mask]) -> list[Mask]:

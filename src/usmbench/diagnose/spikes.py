@@ -11,6 +11,7 @@ from usmbench.diagnose.stretches import Mask, Stretch
 Array = NDArray[np.float64]
 
 _RUNNING = 0.1  # of the highest speed
+_GENTLE = 0.1  # the same, a window: a command that glides
 PLAIN = 12.0  # so far that only a false count remains
 FAR = 6.0  # standard deviations: once in 5·10⁸ windows of normal noise
 
@@ -54,8 +55,9 @@ def steady(stretch: Stretch) -> Mask:
         The stretch. A rotor that starts or stops does so at a moment of its own.
     """
     settled = np.abs(stretch.settled_rad_s)
-    running = settled > _RUNNING * float(np.max(settled, initial=0.0))
-    on: Mask = stretch.use & running & (stretch.lag > 0)
+    top_rad_s = float(np.max(settled, initial=0.0))
+    gently = np.abs(stretch.step_rad_s) < _GENTLE * top_rad_s
+    on: Mask = stretch.use & (settled > _RUNNING * top_rad_s) & ((stretch.lag > 0) | gently)
     calm: Mask = on & ((step_kind(stretch) == 0) | (stretch.lag > 2))
     return calm
 
