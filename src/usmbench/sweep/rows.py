@@ -91,7 +91,7 @@ class Sink(Protocol):
         """Keep one window."""
 
     def pair(self, row: PairRow) -> None:
-        """Keep one pair, and everything before it, on disk."""
+        """Keep one pair, and have everything so far forced to disk."""
 
     def raw(self, block: SampleBlock) -> None:
         """Keep a block's samples, where raw samples were asked for."""
