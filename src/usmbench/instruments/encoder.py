@@ -178,10 +178,9 @@ def _edges(
     last_count: int, counts: NDArray[np.int64], counter_bits: int
 ) -> tuple[NDArray[np.intp], list[int]]:
     """Return where in the block the counter changed, and by how much, wraps undone."""
-    change = counts[1:] - counts[:-1]
-    (where,) = change.nonzero()
-    changes = change[where]
-    where += 1
+    (before,) = (counts[1:] != counts[:-1]).nonzero()
+    where = before + 1
+    changes = counts[where] - counts[before]
     if counts[0] != last_count:
         where = np.concatenate(([0], where))
         changes = np.concatenate(([counts[0] - last_count], changes))
