@@ -5,9 +5,10 @@
 One motor is driven through the sweep's own code, after 25 minutes that warm it through. Models are
 identified on a staircase and a random telegraph and run free over runs they have not seen: a
 staircase at other phases, another telegraph, a multisine. Dwells of the staircases last a second,
-at phases that the generator can set (4096 to the turn). The noise floor is what two runs of the
-same commands differ by, over √2, printed for all windows and for settled ones alone, five windows
-and more after a change of phase. The motor is no Hammerstein system: it sticks, its torque has a
+at phases that the generator can set (4096 to the turn). Each unseen run is driven several times.
+The noise floor is the scatter of a window among those, and the error is that over all of them;
+both are printed for the staircase's settled windows as well, five and more after a change of
+phase. The motor is no Hammerstein system: it sticks, its torque has a
 limit, and its wave is out of balance while the phase changes.
 `--peers` adds SysIdentPy and needs the `peers` extra.
 """
@@ -51,11 +52,19 @@ def rms(error: Array) -> float:
 
 
 def settled(record: Record) -> NDArray[np.bool_]:
-    """Return the windows five and more after a change of phase; all where there are none."""
+    """Return the windows five and more after a change of phase."""
     rows = np.arange(record.phase_deg.size)
     changed = np.r_[True, record.phase_deg[1:] != record.phase_deg[:-1]]
-    late = rows - np.maximum.accumulate(np.where(changed, rows, 0)) >= SETTLED_AFTER
-    return late if late.any() else np.ones(rows.size, dtype=np.bool_)
+    late: NDArray[np.bool_] = (
+        rows - np.maximum.accumulate(np.where(changed, rows, 0)) >= SETTLED_AFTER
+    )
+    return late
+
+
+def scatter(repeated: list[Record], rows: NDArray[np.bool_] | slice = slice(None)) -> float:
+    """Return the standard deviation of a window among repeated runs, root mean square."""
+    speeds = np.array([record.speed_rad_s[rows] for record in repeated])
+    return float(np.sqrt(np.mean(speeds.var(axis=0, ddof=1))))
 
 
 def model_simulator(model: HammersteinModel) -> Simulator:
@@ -138,6 +147,7 @@ def sysidentpy_narx(records: list[Record], kind: str) -> Simulator:
 def compare(small: bool, with_peers: bool) -> dict[str, dict[str, float]]:
     """Return the free-running RMSE over the noise floor, by method and unseen run."""
     windows, duration_s, warm_up_s = (20, 10.0, 2) if small else (100, 40.0, 1500)
+    repeats = 2 if small else 4
     fine = np.concatenate([np.arange(-90, -12, 5), np.arange(-12, 12.5, 1), np.arange(15, 91, 5)])
     warm = head(warm_up_s=10)
     unseen_plans = {
@@ -148,13 +158,11 @@ def compare(small: bool, with_peers: bool) -> dict[str, dict[str, float]]:
     plans = [
         head(warm_up_s=warm_up_s) + staircase(on_grid(fine), windows),
         warm + excitation("telegraph", 1, duration_s),
-        *unseen_plans.values(),
-        *unseen_plans.values(),
+        *(plan for _ in range(repeats) for plan in unseen_plans.values()),
     ]
     runs = measured(plans, 1)
-    training, first, second = runs[:2], runs[2:5], runs[5:]
-    unseen = dict(zip(unseen_plans, first, strict=True))
-    again = dict(zip(unseen_plans, second, strict=True))
+    training = runs[:2]
+    unseen = {name: runs[2 + k :: len(unseen_plans)] for k, name in enumerate(unseen_plans)}
     methods: dict[str, Callable[[], Simulator]] = {
         "fast": lambda: model_simulator(identify_fast(training, FastOptions()).model),
         "paper (staircase pairs)": lambda: model_simulator(
@@ -165,27 +173,20 @@ def compare(small: bool, with_peers: bool) -> dict[str, dict[str, float]]:
     if with_peers:
         methods["SysIdentPy, Bernstein NARX"] = lambda: sysidentpy_narx(training, "Bernstein")
         methods["SysIdentPy, polynomial NARX"] = lambda: sysidentpy_narx(training, "polynomial")
-    noise = {
-        name: (record.speed_rad_s - again[name].speed_rad_s) / np.sqrt(2.0)
-        for name, record in unseen.items()
-    }
-    floors = {name: rms(values) for name, values in noise.items()}
-    still = {name: settled(record) for name, record in unseen.items()}
-    table: dict[str, dict[str, float]] = {
-        "noise floor, rad/s": floors,
-        "of settled windows, rad/s": {name: rms(noise[name][still[name]]) for name in noise},
-    }
+    still = settled(unseen["staircase"][0])
+    floors = {name: scatter(repeated) for name, repeated in unseen.items()}
+    floors["settled"] = scatter(unseen["staircase"], still)
+    table: dict[str, dict[str, float]] = {"noise floor, rad/s": floors}
     for method, fit in methods.items():
         begun_s = time.process_time()
         simulator = fit()
         took_s = time.process_time() - begun_s
         ratios = {}
-        for name, record in unseen.items():
-            error = record.speed_rad_s - simulator(record)
+        for name, repeated in unseen.items():
+            error = np.array([record.speed_rad_s - simulator(record) for record in repeated])
             ratios[name] = rms(error) / floors[name]
             if name == "staircase":
-                own = still[name]
-                ratios["settled"] = rms(error[own]) / rms(noise[name][own])
+                ratios["settled"] = rms(error[:, still]) / floors["settled"]
         table[method] = {**ratios, "fit, s": took_s}
     return table
 

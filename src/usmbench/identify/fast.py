@@ -41,6 +41,7 @@ Array = NDArray[np.float64]
 _FIRST_DEGREE, _FIRST_STIFFNESS = 12, 1e-4
 _MIDDLE_DEGREE = 18
 _DEAD_TIMES = range(6)
+_SAME_EDGE = 0.005  # of the range of phases
 _SEARCH_ROWS, _SEARCH_DWELLS = (4_000, 20_000), 800
 
 
@@ -200,8 +201,20 @@ def _choice(
         return judge_knots(rows, np.array(options.knots_deg, dtype=np.float64))
     span_deg = (float(curve.knots_deg[0]), float(curve.knots_deg[-1]))
     middling = min(degrees, key=lambda degree: abs(degree - _MIDDLE_DEGREE))
-    first = fitted_curve(rows, choose_curve(rows, (middling,), _edges(curve), span_deg))
-    return choose_curve(rows, degrees, _edges(first), span_deg)
+    first = choose_curve(rows, (middling,), _edges(curve), span_deg)
+    edges_deg = _edges(fitted_curve(rows, first))
+    if len(degrees) == 1 and _same_edges(edges_deg, _edges(curve), span_deg):
+        return first
+    return choose_curve(rows, degrees, edges_deg, span_deg)
+
+
+def _same_edges(
+    one_deg: tuple[float, ...], other_deg: tuple[float, ...], span_deg: tuple[float, float]
+) -> bool:
+    """Whether edges are where knots would be gathered at the same places."""
+    return len(one_deg) == len(other_deg) and np.allclose(
+        one_deg, other_deg, rtol=0.0, atol=_SAME_EDGE * (span_deg[1] - span_deg[0])
+    )
 
 
 def _edges(curve: StaticCurve) -> tuple[float, ...]:

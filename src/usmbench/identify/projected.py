@@ -158,14 +158,15 @@ class Projected:
             [k for k, s in enumerate(stretches) if s.point == point]
             for point in range(len(penalties))
         ]
+        longest, dynamics = max(s.speed_rad_s.size for s in stretches), self._dynamics
+        self._shape = fading(dynamics.numerator, dynamics.a, dynamics.dead_time_windows, longest)
         self._fading = [_of_unit_length(w.root * self._fading_of(k)) for k, w in enumerate(weights)]
         self._columns = [self._dynamics.respond(s.basis) for s in stretches]
         self._matrices = [self._weighted(k, c) for k, c in enumerate(self._columns)]
         self.fit = self._solve()
 
     def _fading_of(self, k: int) -> Array:
-        dynamics, n = self._dynamics, self._stretches[k].speed_rad_s.size
-        return fading(dynamics.numerator, dynamics.a, dynamics.dead_time_windows, n)
+        return self._shape[: self._stretches[k].speed_rad_s.size]
 
     def _weighted(self, k: int, columns: Array) -> Array:
         """Weight a stretch's columns and take the start's response out of them."""

@@ -15,6 +15,7 @@ Array = NDArray[np.float64]
 
 _ROUNDS = 4
 _BISQUARE = 4.685  # 95 % efficiency at the normal distribution (Huber and Ronchetti 2009)
+_SAME_SCALE = 0.005  # relative change of the scales below which the weights stand
 _FEWEST = 8  # rows of a kind that tell its scale
 
 
@@ -75,6 +76,7 @@ def robust_fit(
     settled = moving = 1.0
     for _ in range(_ROUNDS):
         residual = np.concatenate(problem.fit.residual_rad_s)
+        before = settled, moving
         settled, moving = scales(residual, change)
         if settled == 0.0 or moving == 0.0:
             # The model passes through most rows exactly: there is no scale to weight by.
@@ -85,6 +87,8 @@ def robust_fit(
             scale = np.where(c, moving, settled)
             weights.append(RowWeights(scale / min(settled, moving), bisquare_root(r / scale)))
         problem = fit_output_error(stretches, family, problem.fit.parameters, weights, priors)
+        if np.allclose(before, (settled, moving), rtol=_SAME_SCALE, atol=0.0):
+            break
     return RobustFit(problem, settled, moving, change.size)
 
 

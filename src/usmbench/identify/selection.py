@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from usmbench.identify.curve_rows import FOLDS, CurveRows
+from usmbench.identify.design import phase_basis
 from usmbench.identify.knots import place_knots
 from usmbench.identify.triangle import triangle
 from usmbench.model.bernstein import bernstein_basis
@@ -135,7 +136,8 @@ def fitted_curve(rows: CurveRows, choice: Choice) -> StaticCurve:
     factors, fixed = _fold_factors(rows, choice.knots_deg)
     n = sum(int(np.count_nonzero(f >= 0)) for f in rows.fold)
     pull = prior_rows(choice.knots_deg, choice.stiffness, rows.standing_deg, n)
-    return StaticCurve(choice.knots_deg, _solved(np.vstack([fixed, *factors]), pull))
+    (delta,) = _solved([triangle(np.vstack([fixed, *factors]))], pull)
+    return StaticCurve(choice.knots_deg, delta)
 
 
 def _candidates(
@@ -164,31 +166,40 @@ def _judged(rows: CurveRows, knots_deg: Array, stiffnesses: Sequence[float]) -> 
     for stiffness in stiffnesses:
         pull = prior_rows(knots_deg, stiffness, rows.standing_deg, n)
         sse = 0.0
-        for factor, rest in zip(factors, trained, strict=True):
-            delta = _solved(rest, pull)
+        for factor, delta in zip(factors, _solved(trained, pull), strict=True):
             sse += float(np.sum((factor[:, -1] - factor[:, :-1] @ delta) ** 2))
         choices.append(Choice(knots_deg, stiffness, float(np.sqrt(sse / max(n, 1)))))
     return choices
 
 
-def _solved(factor: Array, pull: Array) -> Array:
-    """Least squares from a triangular factor whose last column is the outcome."""
-    rows = np.vstack([factor, np.column_stack([pull, np.zeros(pull.shape[0])])])
-    reduced = triangle(rows)
-    n = reduced.shape[1] - 1
-    if reduced.shape[0] < n or np.any(np.diag(reduced)[:n] == 0.0):
-        return np.asarray(np.linalg.lstsq(reduced[:, :n], reduced[:, n], rcond=None)[0])
-    delta: Array = solve_triangular(reduced[:n, :n], reduced[:n, n], check_finite=False)
-    return delta
+def _solved(factors: Sequence[Array], pull: Array) -> list[Array]:
+    """Least squares from triangular factors whose last column is the outcome."""
+    pulled = np.column_stack([pull, np.zeros(pull.shape[0])])
+    n = pull.shape[1]
+    solved = []
+    if len({factor.shape for factor in factors}) == 1:
+        stacked = np.array([np.vstack([factor, pulled]) for factor in factors])
+        reduced = list(np.linalg.qr(stacked, mode="r"))
+    else:
+        reduced = [triangle(np.vstack([factor, pulled])) for factor in factors]
+    for factor in reduced:
+        if factor.shape[0] < n or np.any(np.diag(factor)[:n] == 0.0):
+            delta = np.linalg.lstsq(factor[:, :n], factor[:, n], rcond=None)[0]
+        else:
+            delta = solve_triangular(factor[:n, :n], factor[:n, n], check_finite=False)
+        solved.append(np.asarray(delta, dtype=np.float64))
+    return solved
 
 
 def _fold_factors(rows: CurveRows, knots_deg: Array) -> tuple[list[Array], Array]:
     """Triangular factors of each fold's rows (regressors, outcome), and of those never held out."""
-    degree = knots_deg.size - 1
-    stacked, fold = [], np.concatenate(rows.fold)
-    for phase_deg, speed_rad_s in zip(rows.phase_deg, rows.speed_rad_s, strict=True):
-        basis = bernstein_basis(bezier_abscissa(phase_deg, knots_deg), degree)
-        stacked.append(np.column_stack([rows.dynamics.respond(basis), speed_rad_s]))
+    fold = np.concatenate(rows.fold)
+    ends = np.cumsum([speed_rad_s.size for speed_rad_s in rows.speed_rad_s])[:-1]
+    basis = np.split(phase_basis(np.concatenate(rows.phase_deg), knots_deg), ends)
+    stacked = [
+        np.column_stack([rows.dynamics.respond(own), speed_rad_s])
+        for own, speed_rad_s in zip(basis, rows.speed_rad_s, strict=True)
+    ]
     matrix = np.vstack(stacked)
     parts = [triangle(matrix[fold == k]) for k in range(FOLDS)]
     return parts, triangle(matrix[fold == -1])

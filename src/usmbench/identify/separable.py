@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 
 from usmbench.identify.design import Stretch
 from usmbench.identify.dynamics import Dynamics
+from usmbench.identify.triangle import triangle
 
 Array = NDArray[np.float64]
 
 _RIDGE = 1e-8  # relative to the largest singular value: products the data do not resolve stay 0
 _STABLE = 0.98
-_FEW_ROWS = 6_000
+_FEW_ROWS = 3_000
 
 
 def separable_start(
@@ -51,8 +52,9 @@ def _at_dead_time(
     rows = [s for s in stretches if s.basis.shape[0] > first + na + nb]
     points = sorted({s.point for s in rows})
     left = _FEW_ROWS
-    past, speed, sse, n = [], [], 0.0, 0
-    spans: list[tuple[Array, Array, Array]] = []
+    past: list[Array] = []
+    speed: list[Array] = []
+    n = 0
     for point in points:
         lags, own_past, own_speed = [], [], []
         for s in (s for s in rows if s.point == point):
@@ -67,19 +69,21 @@ def _at_dead_time(
                 )
             )
             own_speed.append(s.speed_rad_s[first:size])
-        columns, outcome = np.vstack(lags), np.concatenate(own_speed)
-        u, singular, vt = np.linalg.svd(columns, full_matrices=False)
-        kept = singular > _RIDGE * singular[0]
-        span = u[:, kept]
-        spans.append((span, singular[kept], vt[kept]))
-        own = np.vstack(own_past)
-        past.append(own - span @ (span.T @ own))
-        speed.append(outcome - span @ (span.T @ outcome))
-        n += outcome.size
+        columns = np.vstack(lags)
+        outcomes = np.column_stack([np.vstack(own_past), np.concatenate(own_speed)])
+        factor, m = triangle(np.hstack([columns, outcomes])), columns.shape[1]
+        u, singular, _ = np.linalg.svd(factor[:m, :m])
+        span = u[:, : singular.size][:, singular > _RIDGE * singular[0]]
+        factor[:m, m:] -= span @ (span.T @ factor[:m, m:])
+        past.append(factor[:, m:-1])
+        speed.append(factor[:, -1])
+        n += columns.shape[0]
     if not points:
         return np.inf, Dynamics(np.zeros(na), np.zeros(nb), dead_time)
     stacked, target = np.vstack(past), np.concatenate(speed)
-    a = np.linalg.lstsq(stacked, target, rcond=None)[0] if na else np.empty(0)
+    a = np.empty(0)
+    if na:
+        a = np.asarray(np.linalg.lstsq(stacked, target, rcond=None)[0], dtype=np.float64)
     sse = float(np.sum((target - stacked @ a) ** 2))
     return sse / max(n, 1), Dynamics(_stabilised(a), np.zeros(nb), dead_time)
 
