@@ -114,5 +114,6 @@ def _key_lines(keys: Sequence[tuple[str, Any, Any]]) -> list[tuple[str, str]]:
 
 
 def _shown(value: object) -> str:
-    text = str(value)
+    # A plan that only one of them has is told by its name.
+    text = str(value.get("name", f"{len(value)} keys") if isinstance(value, dict) else value)
     return text if len(text) <= _VALUE_WIDTH else text[: _VALUE_WIDTH - 1] + "…"

@@ -80,12 +80,12 @@ def _runs(number: int) -> str:
 
 
 def model_fits(folder: Path, runs: Sequence[RunSummary]) -> dict[Path, float]:
-    """Return the free-running RMSE in rad/s of runs that a model beside them was fitted on.
+    """Return the free-running RMSE in rad/s of runs that a model was fitted on.
 
     Parameters
     ----------
     folder
-        Folder whose model files are read.
+        Folder whose model files are read, beside those of the working folder.
     runs
         The runs.
     """
@@ -103,7 +103,7 @@ def model_fits(folder: Path, runs: Sequence[RunSummary]) -> dict[Path, float]:
 
 def _models(folder: Path) -> list[tuple[tuple[str, ...], float]]:
     """Return the runs that models say they were fitted on, and how well."""
-    files = sorted(folder.glob("*.yaml"))
+    files = sorted({*folder.glob("*.yaml"), *Path().glob("*.yaml")})
     if not files:
         return []
     from usmbench.model.model_file import read_model

@@ -50,7 +50,7 @@ def write_curve_plot(path: Path, pairs: Pairs, point: OperatingPoint) -> None:
         top.axvspan(left_deg, right_deg, color="0.9", lw=0, label="dead zone")
     bottom.axhline(0.0, lw=0.6, color="0.3")
     top.set_ylabel("speed ω (rad/s)")
-    bottom.set_ylabel("ω − v(φ) (rad/s)")
+    bottom.set_ylabel("residual (rad/s)")
     bottom.set_xlabel("phase shift φ (°)")
     top.set_title(_title(point))
     top.legend(loc="upper left", frameon=False)

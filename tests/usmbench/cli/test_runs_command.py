@@ -51,16 +51,19 @@ def test_a_condition_leaves_the_others_out(runs: Path, capsys: pytest.CaptureFix
     assert said_of(capsys, str(runs), "--find", "exit=interrupted")[-1] == "1 run"
 
 
-def test_a_model_beside_the_runs_gives_its_fit(
-    runs: Path, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("place", [".", "elsewhere"])
+def test_a_model_beside_the_runs_or_us_gives_its_fit(
+    place: str, runs: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    (runs / "elsewhere").mkdir()
+    monkeypatch.chdir(runs / "elsewhere")
     curve = StaticCurve(np.array([-90.0, 90.0]), np.array([-9.0, 9.0]))
     point = OperatingPoint(41e3, 0.0, curve, (-90.0, 90.0), (None, None), 0.0)
     linear = LinearPart(np.array([-0.5]), np.array([0.5]), 0, 0.01)
     fitted_on = ({"name": f"../{runs.name}/one"},)
     residual = {"rmse_free_run_rad_s": 0.0123}
     model = HammersteinModel(linear, (point,), "fast", fitted_on, residual)
-    write_model(runs / "model.yaml", model)
+    write_model(runs / place / "model.yaml", model)
     (runs / "notes.yaml").write_text("a: [unclosed\n")
     one, two = json.loads("\n".join(said_of(capsys, str(runs), "--json", "-")))["runs"]
     assert (one["rmse_free_run_rad_s"], two["rmse_free_run_rad_s"]) == (0.0123, None)

@@ -107,6 +107,18 @@ def test_compare_says_how_far_two_runs_are_apart(
     assert found["differing_keys"] == ["seed"]
 
 
+def test_a_plan_that_only_one_run_has_is_told_by_its_name(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    make_run(here / "one")
+    other = make_run(here / "other") / "run.yaml"
+    head = other.read_text("utf-8")
+    other.write_text(head.replace("plan:", "former_plan:"), "utf-8")
+    assert main(["compare", "one", "other"]) == 0
+    said = capsys.readouterr().out
+    assert "they differ in             plan: short | None\n" in said
+
+
 def test_a_bare_csv_and_a_run_without_pairs_are_shown(here: Path) -> None:
     (here / "bare.csv").write_text("phase_deg,speed_rad_s\n" + "0,0\n" * 6 + "9,1\n" * 6)
     assert main(["show", "bare.csv", "--plot", "bare.pdf"]) == 0
