@@ -15,12 +15,10 @@ from hil_sim.fault_entries import parse_fault, read_faults
 from hil_sim.faults import FaultKind, FaultSchedule
 from hil_sim.gpsim_board import GpsimBoard
 from hil_sim.gpsim_bridge import GpsimBridge
-from hil_sim.model_plant import ModelPlant
 from hil_sim.plant import MotorPlant, PlantParameters
 from hil_sim.running import RunningTestbed
 from hil_sim.testbed import BoardMachine, FaultablePlant
 from usmbench.errors import BenchError, InputError, UsmbenchError
-from usmbench.model.model_file import read_model
 
 # The pseudo-terminal's thread must get its turn within a byte's time, whatever the others compute.
 _SWITCH_INTERVAL_S: Final = 100e-6
@@ -103,6 +101,10 @@ def build_plant(defects: Sequence[str], seed: int, model: Path | None = None) ->
         There is no such mechanism, or the model will not do.
     """
     if model is not None:
+        # Half of the time that the testbed would take to start.
+        from hil_sim.model_plant import ModelPlant
+        from usmbench.model.model_file import read_model
+
         return ModelPlant(read_model(model))
     if not defects:
         return MotorPlant(seed=seed)

@@ -1,9 +1,9 @@
 """Coloured torque noise, addressed by the number of the time step."""
 
 import math
+from itertools import accumulate, islice
 
 import numpy as np
-from scipy.signal import lfilter
 
 BLOCK = 2048
 """Steps in a block of noise."""
@@ -44,9 +44,10 @@ class TorqueNoise:
         """
         # The block before fills the filter's memory, which is short against a block.
         white = np.concatenate([self._white(number), self._white(number + 1)])
-        coloured = lfilter([self._gain_nm], [1.0, -self._decay], white)
-        values: list[float] = coloured[BLOCK:].tolist()
-        return values
+        shocks_nm, decay = (self._gain_nm * white).tolist(), self._decay
+        # To import scipy.signal takes longer than to filter minutes this way.
+        coloured_nm = accumulate(shocks_nm, lambda last_nm, shock_nm: decay * last_nm + shock_nm)
+        return list(islice(coloured_nm, BLOCK, None))
 
     def _white(self, number: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
         """Block of white noise that depends on nothing but the seed and its number."""
