@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.fitting import Fit, refine
+from usmbench.diagnose.fitting import Fit
 from usmbench.diagnose.problem import Problem
+from usmbench.diagnose.refining import refine
 from usmbench.diagnose.stretches import Mask
 from usmbench.model.linear import memory_windows
 

@@ -6,9 +6,11 @@ from dataclasses import dataclass
 
 from scipy.stats import chi2
 
-from usmbench.diagnose.fitting import Fit, fit_effect, refine, sharpen
+from usmbench.diagnose.fitting import Fit
 from usmbench.diagnose.problem import Basis, Problem
+from usmbench.diagnose.refining import refine
 from usmbench.diagnose.result import Verdict
+from usmbench.diagnose.scanning import fit_effect, sharpen
 from usmbench.model.effects.base import Effect
 
 SIGNIFICANT = 0.01  # family-wise; with the omnibus test beside it, false alarms stay below 5 %

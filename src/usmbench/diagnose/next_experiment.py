@@ -23,11 +23,12 @@ from usmbench.diagnose.experiment_menu import (
     planned_record,
     range_of,
 )
-from usmbench.diagnose.fitting import Fit, refine
+from usmbench.diagnose.fitting import Fit
 from usmbench.diagnose.knowledge import Knowledge, knowledge_of
 from usmbench.diagnose.naming import telling_deviance
 from usmbench.diagnose.noise import Noise, estimate_noise
 from usmbench.diagnose.problem import Problem
+from usmbench.diagnose.refining import refine
 from usmbench.diagnose.result import Candidate, Diagnosis, Estimate, NamedCause
 from usmbench.diagnose.stretches import Stretch, cut_runs
 from usmbench.model.effects.registry import find_effect

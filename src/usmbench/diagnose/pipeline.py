@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.detectable import smallest_sizes
-from usmbench.diagnose.fitting import Fit, intervals
+from usmbench.diagnose.fitting import Fit
 from usmbench.diagnose.gain import Gain, held_out_gain
 from usmbench.diagnose.glitches import Glitches, find_glitches
 from usmbench.diagnose.knowledge import knowledge_of
@@ -17,6 +17,7 @@ from usmbench.diagnose.naming import (
     verdict,
 )
 from usmbench.diagnose.problem import Problem
+from usmbench.diagnose.refining import intervals
 from usmbench.diagnose.remainder import describe
 from usmbench.diagnose.result import (
     Candidate,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.fitting import Fit, refine
+from usmbench.diagnose.fitting import Fit
 from usmbench.diagnose.gain import held_out_drop
 from usmbench.diagnose.knowledge import Knowledge
 from usmbench.diagnose.naming import (
@@ -20,6 +20,7 @@ from usmbench.diagnose.naming import (
 )
 from usmbench.diagnose.noise import estimate_noise
 from usmbench.diagnose.problem import Basis, Problem
+from usmbench.diagnose.refining import refine
 from usmbench.diagnose.spikes import spiked
 from usmbench.diagnose.stretches import Mask, Stretch
 from usmbench.diagnose.views import omnibus

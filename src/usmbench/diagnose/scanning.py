@@ -1,0 +1,167 @@
+"""Fit one effect to the whitened residual: a scan of what shapes it, its sizes to first order."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.diagnose.fitting import Fit
+from usmbench.diagnose.problem import Problem
+from usmbench.model.effects.base import Effect, Parameter
+from usmbench.model.extended import Applied
+
+Array = NDArray[np.float64]
+
+_ZOOM_ROUNDS = 2
+_ZOOM_POINTS = 7
+_AT_ONCE = 64  # columns carried together
+
+
+def fit_effect(problem: Problem, effect: Effect, given: Sequence[Applied] = ()) -> Fit:
+    """Fit one effect, beside others that are held where they are.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    effect
+        The effect.
+    given
+        Effects that act already; the statistic counts from them.
+    """
+    search = _Search(problem, effect, tuple(given))
+    scanned = [p for p in effect.parameters if p.scanned]
+    sized = [p for p in effect.parameters if not p.scanned]
+    if scanned:
+        values, drop, roughness = search.scan(scanned, sized)
+    else:
+        ((values, drop, _),), roughness = search.best([{}], sized), 0.0
+    return Fit((*given, Applied(effect, values)), drop, roughness)
+
+
+def sharpen(problem: Problem, fit: Fit, given: Sequence[Applied] = ()) -> Fit:
+    """Try ever finer values of what was scanned, around those of the grid.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    fit
+        What `fit_effect` found.
+    given
+        Effects that act already, as they were given to `fit_effect`.
+    """
+    last = fit.effects[-1]
+    scanned = [p for p in last.effect.parameters if p.scanned]
+    sized = [p for p in last.effect.parameters if not p.scanned]
+    search = _Search(problem, last.effect, tuple(given))
+    grids = last.effect.grid([s.context for s in problem.stretches]) if scanned else {}
+    best = (dict(last.values), fit.statistic)
+    for p in scanned:
+        best = search.zoomed(best, p, np.clip(grids[p.name], p.low, p.high), scanned, sized)
+    return Fit((*given, Applied(last.effect, best[0])), best[1], fit.roughness)
+
+
+class _Search:
+    """One effect beside fixed ones."""
+
+    def __init__(self, problem: Problem, effect: Effect, given: tuple[Applied, ...]):
+        self._problem, self._effect, self._given = problem, effect, given
+        self._base = problem.change_rad_s(given) if given else None
+        self._left = problem.residual
+        if self._base is not None:
+            self._left = problem.residual - problem.carried(self._base)
+        self._dev = float(self._left @ self._left)
+
+    def columns(self, points: Sequence[Mapping[str, float]]) -> Array:
+        """Return the carried changes that the effect makes at each point, shape (M, points)."""
+        changes = [
+            self._problem.change_rad_s((*self._given, Applied(self._effect, values)))
+            for values in points
+        ]
+        parts = [np.column_stack(part) for part in zip(*changes, strict=True)]
+        if self._base is not None:
+            parts = [part - base[:, None] for part, base in zip(parts, self._base, strict=True)]
+        return self._problem.carried(parts)
+
+    def best(
+        self, shapes: Sequence[Mapping[str, float]], sized: Sequence[Parameter]
+    ) -> Iterator[tuple[dict[str, float], float, Array]]:
+        """Yield the best values at each shape, the drop they bring, and the unit column."""
+        for at in range(0, len(shapes), _AT_ONCE):
+            chunk = shapes[at : at + _AT_ONCE]
+            if not sized:
+                columns = self.columns(chunk)
+                drops = 2.0 * (self._left @ columns) - np.sum(columns**2, axis=0)
+                for shape, drop, column in zip(chunk, drops, columns.T, strict=True):
+                    yield dict(shape), float(drop), column
+                continue
+            nulls = {q.name: q.null for q in sized}
+            points = [
+                {**shape, **nulls, p.name: p.null + p.typical} for shape in chunk for p in sized
+            ]
+            typical = np.tile([p.typical for p in sized], len(chunk))
+            columns = self.columns(points) / typical
+            for k, shape in enumerate(chunk):
+                own = columns[:, k * len(sized) : (k + 1) * len(sized)]
+                yield *self._sized(shape, sized, own), own[:, 0]
+
+    def _sized(
+        self, shape: Mapping[str, float], sized: Sequence[Parameter], matrix: Array
+    ) -> tuple[dict[str, float], float]:
+        """Return the best sizes at fixed shape, to first order, and the drop they bring."""
+        normal, slope = matrix.T @ matrix, matrix.T @ self._left
+        ridge = 1e-12 * np.trace(normal) * np.eye(len(sized))
+        sizes = np.linalg.lstsq(normal + ridge, slope, rcond=None)[0]
+        kept = np.array(
+            [np.clip(p.null + z, p.low, p.high) - p.null for p, z in zip(sized, sizes, strict=True)]
+        )
+        values = {p.name: float(p.null + z) for p, z in zip(sized, kept, strict=True)}
+        return {**shape, **values}, float(2.0 * kept @ slope - kept @ normal @ kept)
+
+    def scan(
+        self, scanned: Sequence[Parameter], sized: Sequence[Parameter]
+    ) -> tuple[dict[str, float], float, float]:
+        """Try a grid of shapes; return the best, and the path that the unit column turns along."""
+        grids = self._effect.grid([s.context for s in self._problem.stretches])
+        axes = [np.clip(grids[p.name], p.low, p.high) for p in scanned]
+        shapes = [
+            {p.name: float(x) for p, x in zip(scanned, point, strict=True)}
+            for point in product(*axes)
+        ]
+        best: tuple[dict[str, float], float] | None = None
+        turned, before = 0.0, None
+        for values, drop, column in self.best(shapes, sized):
+            if best is None or drop > best[1]:
+                best = (values, drop)
+            size = float(np.linalg.norm(column))
+            if size > 1e-9:
+                unit = column / size
+                if before is not None:
+                    turned += math.acos(float(np.clip(abs(unit @ before), 0.0, 1.0)))
+                before = unit
+        if best is None:
+            raise ValueError(f"{self._effect.name}: the grid of its scanned parameters is empty")
+        return *best, turned
+
+    def zoomed(
+        self,
+        best: tuple[dict[str, float], float],
+        parameter: Parameter,
+        axis: Array,
+        scanned: Sequence[Parameter],
+        sized: Sequence[Parameter],
+    ) -> tuple[dict[str, float], float]:
+        """Try ever finer values of one scanned parameter, the others held."""
+        near = axis
+        for _ in range(_ZOOM_ROUNDS):
+            k = int(np.argmin(np.abs(near - best[0][parameter.name])))
+            near = np.linspace(near[max(k - 1, 0)], near[min(k + 1, near.size - 1)], _ZOOM_POINTS)
+            held = {p.name: best[0][p.name] for p in scanned}
+            shapes = [{**held, parameter.name: float(value)} for value in near]
+            for values, drop, _ in self.best(shapes, sized):
+                if drop > best[1]:
+                    best = (values, drop)
+        return best
