@@ -1,5 +1,7 @@
 """One direction is faster."""
 
+from typing import ClassVar
+
 import numpy as np
 
 from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
@@ -29,18 +31,15 @@ class GainAsymmetry(Effect):
         return signal + 0.5 * values["asymmetry"] * np.abs(signal)
 
 
-class TwoGains(Effect):
-    """v′ = v (1 + f) forwards, v (1 + b) backwards."""
+class OneWay(Effect):
+    """v′ = v (1 + g) in one direction, v in the other."""
 
     name = "gain_asymmetry"
-    form = "two gains"
     meaning = _MEANING
     mend = _MEND
     stage = "settled"
-    parameters = (
-        Parameter("forward", "1", 0.0, -0.8, 2.0, 0.01),
-        Parameter("backward", "1", 0.0, -0.8, 2.0, 0.01),
-    )
+    parameters = (Parameter("gain", "1", 0.0, -0.8, 2.0, 0.01),)
+    sign: ClassVar[float]
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the settled speed.
@@ -50,7 +49,21 @@ class TwoGains(Effect):
         signal, context, values
             As in `Effect.apply`.
         """
-        return signal * (1.0 + np.where(signal > 0.0, values["forward"], values["backward"]))
+        return signal + values["gain"] * self.sign * np.maximum(self.sign * signal, 0.0)
 
 
-FORMS = (GainAsymmetry(), TwoGains())
+class Forwards(OneWay):
+    """Only forwards."""
+
+    form = "forwards"
+    sign = 1.0
+
+
+class Backwards(OneWay):
+    """Only backwards."""
+
+    form = "backwards"
+    sign = -1.0
+
+
+FORMS = (GainAsymmetry(), Forwards(), Backwards())

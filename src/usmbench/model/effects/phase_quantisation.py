@@ -9,7 +9,7 @@ from usmbench.model.effects.base import Array, Context, Effect, Parameter, Value
 _MEANING = "The generator sets the phase on a coarse grid instead of where it is commanded."
 _MEND = "Read the generator's phase register back, and check how many of its bits are written."
 _COARSEST_DEG = 60.0
-_FINEST_DEG = 0.4
+_FINEST_DEG = 0.7
 _MANY = 100
 # Registers with n values, and round numbers of degrees.
 _USUAL_DEG = sorted(
@@ -19,6 +19,11 @@ _USUAL_DEG = sorted(
         *(12, 15, 18, 20, 24, 30, 36, 40, 60),
     }
 )
+
+
+def _many_phases(contexts: Sequence[Context]) -> bool:
+    """Whether there are more phases than levels of a staircase."""
+    return max(np.unique(c.phase_deg).size for c in contexts) >= _MANY
 
 
 class RoundedPhase(Effect):
@@ -56,19 +61,18 @@ class RoundedPhase(Effect):
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
         """Return usual steps; where there are many phases, all steps that these tell apart.
 
-        Between two neighbours no phase then moves by more than half a step. A staircase of few
-        levels could be bent into any shape by a free choice of the step.
+        Between two neighbours no phase then moves by more than a step. A staircase of few levels
+        could be bent into any shape by a free choice of the step.
 
         Parameters
         ----------
         contexts
             All stretches.
         """
-        if max(np.unique(c.phase_deg).size for c in contexts) < _MANY:
+        if not _many_phases(contexts):
             return {"step_deg": np.array(_USUAL_DEG)}
         farthest_deg = max(float(np.max(np.abs(c.phase_deg))) for c in contexts)
-        steps = np.arange(2.0, 2.0 * farthest_deg / _FINEST_DEG)
-        even = 2.0 * farthest_deg / steps
+        even = farthest_deg / np.arange(1.0, farthest_deg / _FINEST_DEG)
         return {"step_deg": np.unique([*_USUAL_DEG, *even[even <= _COARSEST_DEG]])}
 
 
@@ -87,6 +91,18 @@ class RoundedUpPhase(RoundedPhase):
             As commanded, shape (N,).
         """
         return np.asarray(np.floor(steps + 0.5))
+
+    def untestable(self, contexts: Sequence[Context]) -> str | None:
+        """Return why where a run has so many phases that hardly any is a half.
+
+        Parameters
+        ----------
+        contexts
+            All stretches.
+        """
+        return (
+            "hardly any phase lies half way between two steps" if _many_phases(contexts) else None
+        )
 
 
 class TruncatedPhase(RoundedPhase):

@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 
 from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values, longest_s
+from usmbench.model.effects.weaker_drive import weaker
 
 _MEANING = "The speed changes over the run as the motor warms and its resonance moves."
 _MEND = "Warm up for longer, log the stator's temperature, and let the frequency follow it."
@@ -50,13 +51,13 @@ class ThermalDrift(Effect):
         return {"warm_up_s": np.clip(run_s * np.geomspace(0.03, 3.0, 9), 0.2, 3000.0)}
 
 
-class DriftingDeadZone(ThermalDrift):
-    """As `ThermalDrift`, and the dead zone widens with it: a lower vibration holds the rotor."""
+class DriftingFriction(ThermalDrift):
+    """As `ThermalDrift`, and friction grows with it: a lower vibration frees less of the rotor."""
 
-    form = "speed and dead zone"
+    form = "speed and friction"
     parameters = (
         _DRIFT,
-        Parameter("final_widening_deg", "deg", 0.0, -40.0, 80.0, 0.5),
+        Parameter("final_held_back_rad_s", "rad/s", 0.0, -30.0, 30.0, 0.05),
         _WARM_UP,
     )
 
@@ -69,10 +70,8 @@ class DriftingDeadZone(ThermalDrift):
             As in `Effect.apply`.
         """
         warmed = -np.expm1(-context.t_s / values["warm_up_s"])
-        phase_deg = context.phase_deg
-        inward_deg = np.sign(phase_deg) * values["final_widening_deg"] * warmed
-        change = context.settled_rad_s(phase_deg - inward_deg) - context.settled_rad_s(phase_deg)
-        return super().apply(signal + change, context, values)
+        lost, held_rad_s = -values["final_drift"], values["final_held_back_rad_s"]
+        return weaker(signal, context, lost * warmed, held_rad_s * warmed)
 
 
-FORMS = (ThermalDrift(), DriftingDeadZone())
+FORMS = (ThermalDrift(), DriftingFriction())

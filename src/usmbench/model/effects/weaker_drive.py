@@ -1,12 +1,48 @@
-"""What a smaller vibration does: less speed, and a wider dead zone."""
+"""What a smaller vibration does: less speed, and more friction."""
 
 import numpy as np
 
 from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
 
 
+def weaker(signal: Array, context: Context, speed_lost: Array, held_back_rad_s: Array) -> Array:
+    """Return the settled speed of a motor that vibrates less, shape (N,).
+
+    The crests are lower, and the friction that the vibration frees less of holds the rotor back:
+    most near standstill, where the wave is a standing one, not at all at the highest speed.
+
+    Parameters
+    ----------
+    signal
+        Settled speed in rad/s, shape (N,).
+    context
+        The stretch.
+    speed_lost
+        Share of the speed that is lost, shape (N,) or scalar.
+    held_back_rad_s
+        Speed that the friction takes near standstill, shape (N,) or scalar.
+    """
+    held = held_back_rad_s * (1.0 - travelling(signal, context)) * np.sign(signal)
+    slower = (1.0 - speed_lost) * signal - held
+    return np.where(slower * signal > 0.0, slower, 0.0)
+
+
+def travelling(signal: Array, context: Context) -> Array:
+    """Return the square of the speed over the highest one: how far the wave travels.
+
+    Parameters
+    ----------
+    signal
+        Settled speed in rad/s, shape (N,).
+    context
+        The stretch.
+    """
+    top_rad_s = float(np.max(np.abs(context.settled_rad_s(context.phase_deg))))
+    return np.minimum((signal / max(top_rad_s, 1e-12)) ** 2, 1.0)
+
+
 class WeakerDrive(Effect):
-    """v′(φ) = (1 − s) v(φ − w sign φ): the crests are lower, so friction holds for longer.
+    """v′ = (1 − s) v − h (1 − (v/v_top)²) sign v: the crests are lower, and friction holds more.
 
     At one operating point every cause that lowers the vibration looks like this.
     """
@@ -14,7 +50,7 @@ class WeakerDrive(Effect):
     stage = "settled"
     parameters = (
         Parameter("speed_lost", "1", 0.0, -2.0, 0.9, 0.01),
-        Parameter("dead_zone_wider_deg", "deg", 0.0, -10.0, 40.0, 0.5),
+        Parameter("held_back_rad_s", "rad/s", 0.0, -30.0, 30.0, 0.05),
     )
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
@@ -25,8 +61,5 @@ class WeakerDrive(Effect):
         signal, context, values
             As in `Effect.apply`.
         """
-        phase_deg = context.phase_deg
-        inward_deg = phase_deg - values["dead_zone_wider_deg"] * np.sign(phase_deg)
-        change = context.settled_rad_s(inward_deg) - context.settled_rad_s(phase_deg)
-        narrowed: Array = (1.0 - values["speed_lost"]) * (signal + change)
-        return narrowed
+        lost, held_rad_s = np.array(values["speed_lost"]), np.array(values["held_back_rad_s"])
+        return weaker(signal, context, lost, held_rad_s)
