@@ -29,6 +29,7 @@ SMALL_REFERENCE_S: Final = 12.0
 _FRESH: Final = 5000
 _HEALTHY: Final = 700
 _FAR: Final = 6.0
+_LARGE: Final = 2.0
 _FRESH_EVERY: Final = 4  # a fresh run costs as much as the draw itself
 
 
@@ -121,7 +122,7 @@ class MotorBench:
         even = _without_gain(healthy - quiet, quiet)
         effect, again = hidden - quiet, record.speed_rad_s - healthy
         regular = np.abs(quiet - self._quiet(excited, 0)) < _level(even)
-        sure = regular & _regular(even) & _sure(effect, again, _FAR * _level(even))
+        sure = regular & _regular(even) & _sure(effect, again, _LARGE * _level(even))
         usual = np.mean(even[sure] ** 2) + np.mean((self._motor.wander * quiet[sure]) ** 2)
         outcome.strength = float(np.sqrt(np.mean(effect[sure] ** 2) / usual))
         error, inside = _error(self.model, record)
