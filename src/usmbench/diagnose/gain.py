@@ -95,8 +95,8 @@ def held_out_gain(problem: Problem, fit: Fit, *, glitches: bool = False) -> Gain
     return Gain(before, after_rms, floor, value, min(low, value), max(high, value))
 
 
-def held_out_drop(problem: Problem, fit: Fit) -> float:
-    """Return by how much effects lower the deviance of blocks that their values never saw.
+def held_out_drop(problem: Problem, fit: Fit) -> Array:
+    """Return by how much effects lower the deviance of blocks that their values never saw, by fold.
 
     Effects that are not there raise it, on average by the number of their parameters.
 
@@ -107,13 +107,13 @@ def held_out_drop(problem: Problem, fit: Fit) -> float:
     fit
         The effects at their values on all rows.
     """
-    drop = 0.0
+    drop = np.zeros(_FOLDS)
     for fold, refit in _refits(problem, fit):
         unseen = problem.with_masks(
             [m & (b % _FOLDS == fold) for m, b in zip(problem.masks, _blocks(problem), strict=True)]
         )
         left = unseen.residual - unseen.carried(unseen.change_rad_s(refit.effects))
-        drop += unseen.deviance - float(left @ left)
+        drop[fold] = unseen.deviance - float(left @ left)
     return drop
 
 

@@ -34,7 +34,7 @@ _HUBER = 2.5
 _MOST_ALONE = 0.05
 _MOST_LEFT = 0.4
 _GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by a tenth
-_MATERIAL = 0.03  # of the noise's mean square
+_MATERIAL = 0.1  # of the noise's mean square
 _PLAINLY = 1e-3
 
 
@@ -136,14 +136,16 @@ def _named(
 ) -> tuple[list[list[Ranked]], Fit, float]:
     """Add causes while each explains more of blocks that its fit has not seen."""
     named: list[list[Ranked]] = []
-    fit, here, earned = Fit((), 0.0, 0.0), ranked, 0.0
+    fit, here, earned = Fit((), 0.0, 0.0), ranked, np.zeros(1)
     taken: set[str] = set()
     while here and len(named) < _MOST_CAUSES and here[0].p_value < SIGNIFICANT:
         if here[0].score <= 0.0 or (named and not earns_its_place(here[0], named[0][0])):
             break
         longer = refine(problem, here[0].fit)
         drop = held_out_drop(problem, longer)
-        if drop <= earned:
+        more = drop - earned
+        # One block alone may be an accident.
+        if min(float(np.sum(more)), float(np.sum(more) - np.max(more))) <= 0.0:
             break
         named.append(here)
         fit, earned = longer, drop

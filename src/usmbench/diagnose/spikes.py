@@ -56,9 +56,9 @@ def steady(stretch: Stretch) -> Mask:
     """
     settled = np.abs(stretch.settled_rad_s)
     top_rad_s = float(np.max(settled, initial=0.0))
-    gently = np.abs(stretch.step_rad_s) < _GENTLE * top_rad_s
-    on: Mask = stretch.use & (settled > _RUNNING * top_rad_s) & ((stretch.lag > 0) | gently)
-    calm: Mask = on & ((step_kind(stretch) == 0) | (stretch.lag > 2))
+    gently = (np.abs(stretch.step_rad_s) < _GENTLE * top_rad_s) & (step_kind(stretch) == 0)
+    on: Mask = stretch.use & (settled > _RUNNING * top_rad_s)
+    calm: Mask = on & (gently | (stretch.lag >= LAGS))
     return calm
 
 

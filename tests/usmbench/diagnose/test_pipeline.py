@@ -90,7 +90,7 @@ def test_a_cause_that_explains_nothing_of_unseen_blocks_is_not_named(
 ) -> None:
     record = _measured(7, _applied("gain_asymmetry", "balanced", asymmetry=0.04))
     assert diagnose([record], model).causes
-    monkeypatch.setattr(search, "held_out_drop", lambda *_: 0.0)
+    monkeypatch.setattr(search, "held_out_drop", lambda *_: np.zeros(4))
     found = diagnose([record], model)
     assert found.verdict == "unexplained"
     assert found.causes == ()
