@@ -22,7 +22,7 @@ from usmbench.model.inverse_map import bezier_abscissa
 
 Array = NDArray[np.float64]
 
-DEGREES = (2, 4, 8, 12, 18, 24, 30)
+DEGREES = (1, 2, 4, 8, 12, 18, 24, 30)
 STIFFNESSES = (1e-5, 1e-4, 1e-3, 1e-2)
 _SHARES = (0.4, 0.7)
 _WIDTHS = (0.01, 0.025, 0.06)  # of the range of phases
