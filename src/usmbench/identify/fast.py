@@ -41,6 +41,7 @@ Array = NDArray[np.float64]
 _FIRST_DEGREE, _FIRST_STIFFNESS = 12, 1e-4
 _MIDDLE_DEGREE = 18
 _DEAD_TIMES = range(6)
+_SEARCH_SHARE = 0.01  # of a long record: the better the curvature, the fewer passes over all
 _SAME_EDGE = 0.005  # of the range of phases
 _SEARCH_ROWS, _SEARCH_DWELLS = (4_000, 20_000), 800
 
@@ -132,7 +133,7 @@ def _search_rows(data: Dataset) -> int:
     fewest, most = _SEARCH_ROWS
     dwells = sum(1 + int(np.count_nonzero(np.diff(s.phase_deg))) for s in data.segments)
     wanted = _SEARCH_DWELLS * len(data.points) * data.n // dwells
-    return min(max(wanted, fewest), most)
+    return min(max(wanted, fewest, int(_SEARCH_SHARE * data.n)), most)
 
 
 def _few_phases(data: Dataset, knots_deg: Sequence[Array]) -> list[str]:
