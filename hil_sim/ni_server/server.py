@@ -56,8 +56,9 @@ class NiServer:
         self._server.start()
 
     def _die(self) -> None:
-        self._server.stop(None)
+        # In this order: who notices that the server has gone finds the testbed going on without it.
         self._card.close()
+        self._server.stop(None)
 
     def stop(self) -> None:
         """Stop answering and end all threads; safe to call twice."""
