@@ -3,6 +3,7 @@
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
@@ -103,6 +104,25 @@ def test_a_restarted_task_starts_again_at_its_first_sample(new_task: NewTask) ->
         assert read(task, 5)[0] == first
         assert task.in_stream.total_samp_per_chan_acquired == 5
         task.stop()
+
+
+def test_lock_step_events_come_ahead_of_their_blocks_and_no_time_passes(new_task: NewTask) -> None:
+    task = encoder(new_task())
+    events = threading.Semaphore(0)
+
+    def count(*_: object) -> int:
+        events.release()
+        return 0
+
+    task.register_every_n_samples_acquired_into_buffer_event(10, count)
+    task.start()
+    for blocks_read in (0, 8, 16):
+        assert task.in_stream.total_samp_per_chan_acquired == 10 * blocks_read
+        for _ in range(8 if blocks_read else 16):
+            assert events.acquire(timeout=10.0)
+        assert not events.acquire(timeout=0.1)
+        for _ in range(8):
+            read(task, 10)
 
 
 def test_real_time_read_waits_for_its_samples_or_its_deadline(new_task: NewTask) -> None:
