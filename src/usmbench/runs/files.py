@@ -32,7 +32,7 @@ def sync_error(path: Path, error: OSError) -> BenchError:
     Parameters
     ----------
     path
-        The file, or the run folder.
+        The file that was being forced to disk.
     error
         What the system said.
 
