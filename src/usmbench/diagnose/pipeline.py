@@ -77,9 +77,10 @@ def diagnose(records: Sequence[Record], model: HammersteinModel) -> Diagnosis:
 def _verdict(found: Found, glitches: Glitches | None) -> Verdict:
     """Say whether what is named may stand."""
     if found.named:
-        if found.mostly_left:
-            return "unexplained"
-        return verdict(found.before, found.after, found.fit.statistic)
+        says = verdict(found.before, found.after, found.fit.statistic)
+        if says == "unexplained" or found.mostly_left:
+            return "partly_explained" if found.confined else "unexplained"
+        return says
     if glitches is not None:
         return "explained" if found.before.p_value > 1e-3 else "partly_explained"
     if not found.material:

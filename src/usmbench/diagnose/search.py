@@ -36,6 +36,8 @@ _MOST_LEFT = 0.4
 _GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by a tenth
 _MATERIAL = 0.1  # of the noise's mean square
 _PLAINLY = 1e-3
+_ACTS = 2.0  # times the noise
+_FEW, _NEARLY_ALL = 0.3, 0.9
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +74,25 @@ class Found:
         n = self.problem.n_rows * self.spread**2
         left = self.problem.deviance - self.fit.statistic - n
         return left > _MOST_LEFT * max(self.problem.deviance - n, 0.0) and left > _GROSS * n
+
+    @property
+    def confined(self) -> bool:
+        """Whether what stays unexplained sits in the few windows on which the named causes act.
+
+        A cause that acts by chance there (counts that are lost now and then at high speed) leaves
+        scatter that no simulation foresees.
+        """
+        changes = self.problem.change_rad_s(self.fit.effects)
+        acting, square = [], []
+        for stretch, mask, change, left in zip(
+            self.problem.stretches, self.problem.masks, changes, self.left_rad_s, strict=True
+        ):
+            level = self.problem.noise.level_rad_s(stretch)
+            acting.append((np.abs(change) > _ACTS * level)[mask])
+            square.append(((left / level) ** 2)[mask])
+        acts, squares = np.concatenate(acting), np.concatenate(square)
+        inside = float(np.sum(squares[acts]))
+        return bool(np.mean(acts) < _FEW and inside > _NEARLY_ALL * float(np.sum(squares)))
 
     @property
     def material(self) -> bool:
