@@ -5,7 +5,7 @@ it under ``residual: diagnosis``; for a model without it, cautious values stand 
 """
 
 from base64 import b64decode, b64encode
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -73,20 +73,29 @@ class Knowledge:
         """
         return self.features.combined(stretch, self.mean)
 
-    def background(self, stretches: Sequence[Stretch]) -> Iterator[list[Array]]:
-        """Yield what may differ without being news, scaled to one standard deviation.
+    def background(self, stretches: Sequence[Stretch]) -> list[Array]:
+        """Return what may differ without being news, in columns of one standard deviation.
 
         Parameters
         ----------
         stretches
-            The runs; each column comes as one array a stretch.
+            The runs.
+
+        Returns
+        -------
+        list of Array
+            One a stretch, shape (N, K): the same column is the same difference on all of them.
         """
-        shapes = [np.column_stack(list(self.features.columns(s))) for s in stretches]
-        for way in self.root.T[np.any(self.root != 0.0, axis=0)]:
-            yield [part @ way for part in shapes]
-        for run in sorted({s.run for s in stretches}):
-            yield [self.gain * s.simulated_rad_s * (s.run == run) for s in stretches]
-            yield [self.dead_zone_deg * widening(s) * (s.run == run) for s in stretches]
+        runs = sorted({s.run for s in stretches})
+        root = self.root[:, np.any(self.root != 0.0, axis=0)]
+        found = []
+        for s in stretches:
+            own = np.column_stack([self.gain * s.simulated_rad_s, self.dead_zone_deg * widening(s)])
+            wander = [own * (s.run == run) for run in runs]
+            found.append(
+                np.hstack([np.column_stack(list(self.features.columns(s))) @ root, *wander])
+            )
+        return found
 
     def to_mapping(self) -> dict[str, Any]:
         """Return what the model file keeps."""

@@ -7,6 +7,7 @@ in it), so a residual is carried as the vector ``[e − Uβ̂; β̂]``: its squa
 """
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,7 +55,6 @@ class Problem:
     ):
         self.stretches = tuple(stretches)
         self.known, self.noise = known, noise
-        self.masks = tuple(masks)
         self.own = tuple(own)
         self._weights = (
             tuple(np.ones(s.context.n) for s in self.stretches)
@@ -63,16 +63,12 @@ class Problem:
         )
         self._filter = np.r_[1.0, -noise.ar] / noise.innovation
         self._level = [noise.level_rad_s(s) for s in self.stretches]
-        self._valid = [self._whole(mask) for mask in self.masks]
-        self._columns = self._background()
-        gram = self._columns.T @ self._columns + np.eye(self._columns.shape[1])
-        self._factor = cho_factor(gram) if self._columns.shape[1] else None
         expected = [known.expected_rad_s(s) for s in self.stretches]
         self.residual_rad_s = [
             s.residual_rad_s - e for s, e in zip(self.stretches, expected, strict=True)
         ]
-        self.residual = self.carried(self.residual_rad_s)
-        self.deviance = float(self.residual @ self.residual)
+        self._background = self._white(known.background(self.stretches))
+        self._judge(masks)
 
     @property
     def n_rows(self) -> int:
@@ -92,7 +88,9 @@ class Problem:
         masks
             Rows of each stretch that count.
         """
-        return Problem(self.stretches, self.known, self.noise, masks, self.own, self._weights)
+        other = copy(self)
+        other._judge(masks)
+        return other
 
     def change_rad_s(self, effects: Sequence[Applied]) -> list[Array]:
         """Return what effects change in the free run, by stretch.
@@ -115,32 +113,34 @@ class Problem:
         signal
             The residual of each stretch, in rad/s, shape (N,), or (N, K) for K of them at once.
         """
-        white = self._white_parts(signal)
-        if self._factor is None:
-            return white
+        white = self._rows(self._white(signal))
         beta = cho_solve(self._factor, self._columns.T @ white)
         carried: Array = np.concatenate([white - self._columns @ beta, beta])
         return carried
 
-    def _background(self) -> Array:
-        """Whitened columns of what is no news, those of them that exceed the noise."""
-        columns = [self._white_parts(c) for c in self.known.background(self.stretches)]
-        if not columns:
-            return np.zeros((self.n_rows, 0))
-        matrix = np.column_stack(columns)
+    def _judge(self, masks: Sequence[Mask]) -> None:
+        """Take the rows that count, and on them what is no news, as far as it exceeds the noise."""
+        self.masks = tuple(masks)
+        self._valid = [self._whole(mask) for mask in self.masks]
+        matrix = self._rows(self._background)
         power, ways = np.linalg.eigh(matrix.T @ matrix)
-        kept: Array = matrix @ ways[:, power > _HIDDEN]
-        return kept
+        self._columns: Array = matrix @ ways[:, power > _HIDDEN]
+        gram = self._columns.T @ self._columns + np.eye(self._columns.shape[1])
+        self._factor = cho_factor(gram)
+        self.residual = self.carried(self.residual_rad_s)
+        self.deviance = float(self.residual @ self.residual)
 
-    def _white_parts(self, signal: Sequence[Array]) -> Array:
-        """Whiten each stretch and keep the rows that count."""
+    def _white(self, signal: Sequence[Array]) -> list[Array]:
+        """Whiten each stretch, shape (N,) or (N, K)."""
         parts = []
-        for values, level, valid, weight in zip(
-            signal, self._level, self._valid, self._weights, strict=True
-        ):
-            scale, whole = weight.reshape(-1, *[1] * (values.ndim - 1)), values.T / level
-            parts.append((scale * lfilter(self._filter, [1.0], whole.T, axis=0))[valid])
-        return np.concatenate(parts)
+        for values, level, weight in zip(signal, self._level, self._weights, strict=True):
+            white = lfilter(self._filter, [1.0], (values.T / level).T, axis=0)
+            parts.append((white.T * weight).T)
+        return parts
+
+    def _rows(self, white: Sequence[Array]) -> Array:
+        """Keep the rows that count."""
+        return np.concatenate([w[valid] for w, valid in zip(white, self._valid, strict=True)])
 
     def _whole(self, mask: Mask) -> Mask:
         """Rows that count, and whose predecessors in the noise's memory count."""

@@ -36,7 +36,7 @@ def refine(problem: Problem, fit: Fit, base: float | None = None) -> Fit:
     here = joint.left(theta)
     dev, damping = float(here @ here), 1e-3
     for _ in range(_STEPS if theta.size else 0):
-        jacobian = joint.jacobian(theta, here)
+        jacobian = joint.jacobian(theta)
         normal, slope = jacobian.T @ jacobian, jacobian.T @ here
         scale = np.diag(np.maximum(np.diag(normal), 1e-12))
         moved = joint.clipped(theta - np.linalg.solve(normal + damping * scale, slope))
@@ -69,7 +69,7 @@ def intervals(problem: Problem, fit: Fit) -> list[dict[str, tuple[float, float]]
     if theta.size == 0:
         return [{} for _ in fit.effects]
     here = joint.left(theta)
-    jacobian = joint.jacobian(theta, here)
+    jacobian = joint.jacobian(theta)
     covariance = np.linalg.pinv(jacobian.T @ jacobian)
     half = np.sqrt(_EDGE_95 * np.maximum(np.diag(covariance), 0.0))
     low, high = joint.clipped(theta - half), joint.clipped(theta + half)
@@ -111,16 +111,19 @@ class _Joint:
         change = self._problem.change_rad_s(self.applied(theta))
         return self._problem.residual - self._problem.carried(change)
 
-    def jacobian(self, theta: Array, here: Array) -> Array:
-        columns = []
+    def jacobian(self, theta: Array) -> Array:
+        """Return how the carried residual changes with each parameter, shape (M, parameters)."""
+        base = self._problem.change_rad_s(self.applied(theta))
+        slopes = []
         for k, p in enumerate(self.parameters):
             step = _STEP_SHARE * p.typical
             if theta[k] + step > p.high:
                 step = -step
             moved = theta.copy()
             moved[k] += step
-            columns.append((self.left(moved) - here) / step)
-        return np.column_stack(columns)
+            there = self._problem.change_rad_s(self.applied(moved))
+            slopes.append([(b - t) / step for t, b in zip(there, base, strict=True)])
+        return self._problem.carried([np.column_stack(part) for part in zip(*slopes, strict=True)])
 
     def edge(self, theta: Array, k: int, side: int, dev: float) -> float:
         """Where the deviance has risen by 3.84 on one side, the others held."""
