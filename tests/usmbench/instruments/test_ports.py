@@ -3,7 +3,6 @@
 import os
 import pty
 import threading
-import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -19,6 +18,7 @@ from usmbench.instruments.protocol.frames import Frame, FrameReader, encode_fram
 from usmbench.settings.bench import GeneratorSettings
 
 IDENTITY = bytes.fromhex("00 01 01 00 40787D01 B98D0600 9CE10600 00F8 0008 1C 0C E803")
+SEARCH_TRIES = 10
 Answer = Callable[[Frame], bytes]
 
 
@@ -76,13 +76,14 @@ def devices(*answers: Answer) -> Iterator[list[Device]]:
 @pytest.fixture(autouse=True)
 def _no_ports_of_this_machine(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(list_ports, "comports", list)
+    # The thread that answers for a board waits for its turn on a busy machine.
+    monkeypatch.setattr(ports, "_SEARCH_TRIES", SEARCH_TRIES)
 
 
 def test_the_board_is_found_among_other_instruments_by_identify_alone() -> None:
     with devices(silent, board, babbler) as (quiet, ours, noisy):
-        start_s = time.monotonic()
         assert ports.find_board([quiet.name, ours.name, noisy.name]) == ours.name
-        assert time.monotonic() - start_s < 2.0
+        assert len(quiet.heard) <= SEARCH_TRIES
         for device in (quiet, ours, noisy):
             assert {frame.type for frame in device.heard} == {RequestType.IDENTIFY}
 
