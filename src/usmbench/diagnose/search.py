@@ -35,6 +35,7 @@ _MOST_ALONE = 0.05
 _MOST_LEFT = 0.4
 _GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by a tenth
 _MATERIAL = 0.1  # of the noise's mean square
+_FEWEST_ROWS = 8.0  # that a cause has to explain better
 _PLAINLY = 1e-3
 _ACTS = 2.0  # times the noise
 _FEW, _NEARLY_ALL = 0.3, 0.9
@@ -168,12 +169,23 @@ def _named(
         # One block alone may be an accident.
         if min(float(np.sum(more)), float(np.sum(more) - np.max(more))) <= 0.0:
             break
+        if _rows_behind(problem, fit, longer) < _FEWEST_ROWS:
+            break
         named.append(here)
         fit, earned = longer, drop
         spread = max(1.0, _spread(problem, basis, fit))
         taken |= same_shape(here)
         here = rank(problem, [e for e in effects if e.name not in taken], spread, fit)
     return named, fit, spread
+
+
+def _rows_behind(problem: Problem, fit: Fit, longer: Fit) -> float:
+    """Effective number of the rows that more causes explain better: (Σd)²/Σd² of what they gain."""
+    before, after = (
+        problem.carried(_left(problem, f))[: problem.n_rows] ** 2 for f in (fit, longer)
+    )
+    gained = np.maximum(before - after, 0.0)
+    return float(np.sum(gained) ** 2 / max(float(np.sum(gained**2)), 1e-300))
 
 
 def _without(uses: Sequence[Mask], far: Sequence[Mask]) -> list[Mask]:
