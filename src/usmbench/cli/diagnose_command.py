@@ -7,6 +7,8 @@ from pathlib import Path
 import yaml
 
 from usmbench.cli.deciding_runs import Judged, decide, judge
+from usmbench.cli.each_run import Entry, diagnose_each, each_table
+from usmbench.cli.executors import all_cores, cluster
 from usmbench.cli.json_output import write_json
 from usmbench.diagnose.result import Diagnosis
 from usmbench.errors import InputError
@@ -44,6 +46,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--runs-folder", type=Path, metavar="DIR", help="folder for their runs [runs]"
     )
+    parser.add_argument(
+        "--each", action="store_true", help="every run on its own, over all cores; one line a run"
+    )
+    parser.add_argument(
+        "--scheduler", metavar="ADDRESS", help="the same over the Dask cluster of this scheduler"
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -64,6 +72,8 @@ def run(args: argparse.Namespace) -> int:
         The bench failed; likewise.
     """
     budget = _checked_budget(args)
+    if args.each or args.scheduler is not None:
+        return _run_each(args)
     model = read_model(args.model)
     judged = judge([read_run(path) for path in args.runs], model)
     quiet = args.json == "-"
@@ -78,6 +88,31 @@ def run(args: argparse.Namespace) -> int:
     _write(args, judged, model)
     if not quiet:
         print(_lines(judged.diagnosis))
+    return 0
+
+
+def _run_each(args: argparse.Namespace) -> int:
+    """Diagnose every run on its own, on this machine or a cluster; say what was found of each."""
+    for name in ("out", "report", "next", "bench"):
+        if getattr(args, name) is not None:
+            raise InputError(f"--{name} is for one diagnosis; with --each there is one a run")
+    model = read_model(args.model)
+    entries: list[Entry] = [{}] * len(args.runs)
+    with all_cores() if args.scheduler is None else cluster(args.scheduler) as executor:
+        found = diagnose_each(args.runs, model, executor)
+        for n_done, (place, entry) in enumerate(found, 1):
+            entries[place] = entry
+            if sys.stderr.isatty():
+                print(f"\r{n_done} of {len(entries)} runs", end="", file=sys.stderr, flush=True)
+    if sys.stderr.isatty():
+        print(file=sys.stderr)
+    if args.json:
+        write_json(args.json, {"runs": entries})
+    if args.json != "-":
+        print(each_table(entries))
+    n_failed = sum("error" in entry for entry in entries)
+    if n_failed:
+        raise InputError(f"{n_failed} of {len(entries)} runs were not judged; their lines say why")
     return 0
 
 
