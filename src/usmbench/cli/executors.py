@@ -75,7 +75,7 @@ def _workers(address: str) -> dict[str, Any]:
     except (OSError, ValueError, MemoryError) as error:
         raise InputError(
             f"no Dask scheduler answers at {address} within {_DEADLINE_S:g} s "
-            f"({error or 'silent'}); give the address that `dask scheduler` prints"
+            f"({str(error) or 'silent'}); give the address that `dask scheduler` prints"
         ) from None
 
 
