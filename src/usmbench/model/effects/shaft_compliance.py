@@ -46,14 +46,14 @@ class ShaftCompliance(Effect):
         return np.asarray(signal[0] + _averaged(b, a, signal - signal[0]))
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
-        """Return periods from a tenth of a window to some thirty.
+        """Return periods from one window to some thirty: what rings faster is a mere delay.
 
         Parameters
         ----------
         contexts
             All stretches.
         """
-        periods_s = contexts[0].window_s * np.geomspace(0.1, 30.0, 18)
+        periods_s = contexts[0].window_s * np.geomspace(1.0, 30.0, 12)
         return {
             "period_s": np.minimum(periods_s, 0.5),
             "damping": np.array([0.03, 0.12, 0.4]),
