@@ -1,6 +1,7 @@
 """Refine all values of a fit together, by damped Gauss–Newton, and bound them."""
 
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +15,12 @@ Array = NDArray[np.float64]
 
 _STEPS = 10
 _TOLERANCE = 1e-3
+_LEAPS, _STRIDES = 4, (0.5, 0.7, 0.85, 0.95, 1.05, 1.2, 1.4, 2.0)
 _STEP_SHARE = 0.05  # of the typical size, for derivatives
 _EDGE_95 = 3.84  # 95 % of chi-squared with one degree of freedom
 
 
-def refine(problem: Problem, fit: Fit, base: float | None = None) -> Fit:
+def refine(problem: Problem, fit: Fit) -> Fit:
     """Improve all values of a fit together.
 
     Parameters
@@ -27,10 +29,7 @@ def refine(problem: Problem, fit: Fit, base: float | None = None) -> Fit:
         The problem.
     fit
         Where to start.
-    base
-        Deviance from which the statistic counts; None for that without effects.
     """
-    start = problem.deviance if base is None else base
     joint = _Joint(problem, [a.effect for a in fit.effects])
     theta = joint.vector(fit.effects)
     here = joint.left(theta)
@@ -51,7 +50,39 @@ def refine(problem: Problem, fit: Fit, base: float | None = None) -> Fit:
         damping = max(damping / 10.0, 1e-9)
         if gained < _TOLERANCE:
             break
-    return Fit(joint.applied(theta), start - dev, fit.roughness)
+    return Fit(joint.applied(theta), problem.deviance - dev, fit.roughness)
+
+
+def refine_widely(problem: Problem, fit: Fit) -> Fit:
+    """Improve all values of a fit, and look beyond where they come to rest.
+
+    A sample that crosses the edge of the dead zone bends the deviance, and a descent may end there.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    fit
+        Where to start.
+    """
+    best = refine(problem, fit)
+    joint = _Joint(problem, [a.effect for a in fit.effects])
+    null = np.array([p.null for p in joint.parameters])
+    for _ in range(_LEAPS):
+        theta = joint.vector(best.effects)
+        starts = []
+        for k, stride in product(range(theta.size), _STRIDES):
+            moved = theta.copy()
+            moved[k] = null[k] + stride * (theta[k] - null[k])
+            left = joint.left(joint.clipped(moved))
+            starts.append((float(left @ left), joint.applied(joint.clipped(moved))))
+        if not starts:
+            break
+        dev, effects = min(starts, key=lambda start: start[0])
+        if problem.deviance - dev <= best.statistic + _TOLERANCE:
+            break
+        best = refine(problem, Fit(effects, problem.deviance - dev, fit.roughness))
+    return best
 
 
 def intervals(problem: Problem, fit: Fit) -> list[dict[str, tuple[float, float]]]:

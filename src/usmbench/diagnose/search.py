@@ -1,7 +1,7 @@
 """The search for causes: rank, settle the noise, add causes while they earn their place."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +18,9 @@ from usmbench.diagnose.naming import (
     same_shape,
     whole_test,
 )
-from usmbench.diagnose.noise import estimate_noise
+from usmbench.diagnose.noise import Noise, estimate_noise
 from usmbench.diagnose.problem import Basis, Problem
-from usmbench.diagnose.refining import refine
+from usmbench.diagnose.refining import refine_widely
 from usmbench.diagnose.spikes import spiked
 from usmbench.diagnose.stretches import Mask, Stretch
 from usmbench.diagnose.views import omnibus
@@ -129,24 +129,31 @@ def search(
     """
     residuals = [s.residual_rad_s for s in stretches]
     uses = [s.use for s in stretches]
-    noise = known.noise or estimate_noise(stretches, residuals, uses)
+    noise = known.noise or _white(estimate_noise(stretches, residuals, uses))
     masks = _without(uses, spiked(stretches, residuals, noise, near_steps=False))
     problem = Problem(stretches, known, noise, masks, own)
     ranked = rank(problem, effects, 1.0)
-    best = ranked[0]
-    left = _left(problem, best.fit if best.p_value < SIGNIFICANT else None)
+    best = None
+    if ranked[0].p_value < SIGNIFICANT:
+        best = refine_widely(problem, ranked[0].fit)
+    left = _left(problem, best)
     if known.noise is None:
         noise = estimate_noise(stretches, left, masks)
     masks = _without(uses, spiked(stretches, left, noise, near_steps=True))
     weights = _weights(Problem(stretches, known, noise, masks, own), left)
     problem = Problem(stretches, known, noise, masks, own, weights)
     basis = omnibus(problem)["all"]
-    spread = _spread(problem, basis, best.fit if best.p_value < SIGNIFICANT else None)
+    spread = _spread(problem, basis, best)
     ranked = rank(problem, effects, spread)
     named, fit, spread = _named(problem, basis, ranked, effects, spread)
     before = whole_test(problem, basis, None, spread)
     after = whole_test(problem, basis, fit, spread)
     return Found(problem, spread, ranked, named, fit, before, after)
+
+
+def _white(noise: Noise) -> Noise:
+    """Take the colour from a noise that was estimated with the effect in it."""
+    return replace(noise, ar=np.empty(0), innovation=1.0)
 
 
 def _named(
@@ -163,7 +170,7 @@ def _named(
     while here and len(named) < _MOST_CAUSES and here[0].p_value < SIGNIFICANT:
         if here[0].score <= 0.0 or (named and not earns_its_place(here[0], named[0][0])):
             break
-        longer = refine(problem, here[0].fit)
+        longer = refine_widely(problem, here[0].fit)
         drop = held_out_drop(problem, longer)
         more = drop - earned
         # One block alone may be an accident.
