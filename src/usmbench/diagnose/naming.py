@@ -18,8 +18,8 @@ _REFINED = 8
 _SAME = 0.5
 _TELLING = 9.2  # deviance between two causes that data can tell: 99 % of chi-squared with two
 # Share of the evidence within which what else the model misses decides, and not the cause: with
-# 0.02 a delay in a triangle came out as hysteresis alone (benchmarks/next_experiment.py).
-_SIMILAR = 0.05
+# 0.05 a delay in a triangle came out as hysteresis alone (benchmarks/next_experiment.py).
+_SIMILAR = 0.1
 _SECOND_SHARE = 0.01
 _SECOND_LEAST = 20.0
 _LEFT_EXPLAINED = 0.08
