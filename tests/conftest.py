@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import signal
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -17,6 +18,12 @@ CHROMIUM = os.environ.get("USMBENCH_CHROMIUM") or shutil.which("chromium")
 collect_ignore = [] if CHROMIUM else ["docs/test_site.py", "usmbench/watch/test_page.py"]
 COUNTS_PER_REV = 2000
 RATE_HZ = 1e5  # whatever the card is set to: what the tests check is samples, not seconds
+
+
+def pytest_configure() -> None:
+    # A shell's background job, or nohup, hands on signals that are ignored.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
 def pytest_report_header() -> list[str]:
