@@ -17,9 +17,11 @@ SIGNIFICANT = 0.01  # family-wise; with the omnibus test beside it, false alarms
 _REFINED = 8
 _SAME = 0.5
 _TELLING = 9.2  # deviance between two causes that data can tell: 99 % of chi-squared with two
-# Share of the evidence within which what else the model misses decides, and not the cause: with
-# 0.05 a delay in a triangle came out as hysteresis alone (benchmarks/next_experiment.py).
+# What else the model misses decides between causes this near, and not the cause: a share of little
+# evidence (with 0.05 a delay in a triangle came out as hysteresis alone, see
+# benchmarks/next_experiment.py), of much evidence an amount and what a form of an effect is off by.
 _SIMILAR = 0.1
+_MISFIT, _OFF = 50.0, 0.03
 _SECOND_SHARE = 0.01
 _SECOND_LEAST = 20.0
 _LEFT_EXPLAINED = 0.08
@@ -94,7 +96,7 @@ def telling_deviance(evidence: float) -> float:
     evidence
         What the better of the two brings.
     """
-    return max(_TELLING, _SIMILAR * evidence)
+    return max(_TELLING, min(_SIMILAR * evidence, _MISFIT + _OFF * evidence))
 
 
 def alternatives(ranked: Sequence[Ranked]) -> tuple[str, ...]:
