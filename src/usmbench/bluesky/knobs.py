@@ -1,6 +1,7 @@
 """The drive's settings as bluesky devices."""
 
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -13,7 +14,7 @@ from usmbench.bluesky.status import DeviceStatus
 from usmbench.sweep.drive import Setting
 
 
-class _Knob:
+class _Knob(ABC):
     """A setting of the drive: Movable, Readable, Locatable, Stoppable and Checkable."""
 
     parent = None
@@ -65,6 +66,27 @@ class _Knob:
         """
         self._check(value)
 
+    def set(self, value: float) -> DeviceStatus:
+        """Command a value.
+
+        Parameters
+        ----------
+        value
+            Phase shift in degrees, or frequency in hertz.
+
+        Returns
+        -------
+        DeviceStatus
+            Done when the board has acknowledged.
+
+        Raises
+        ------
+        usmbench.errors.InputError
+            It is out of range; nothing was sent.
+        """
+        self._check(value)
+        return self._loop.change(lambda old: self._changed(old, float(value)))
+
     def stop(self, *, success: bool = True) -> None:
         """Switch the drive off; the RunEngine calls this on any exit, pause and suspension.
 
@@ -75,8 +97,13 @@ class _Knob:
         """
         self._loop.rest()
 
+    @abstractmethod
     def _value(self, setting: Setting) -> float:
-        raise TypeError(f"{self.name} has no value in {setting}")
+        """Return this knob's value in a setting of the drive."""
+
+    @abstractmethod
+    def _changed(self, setting: Setting, value: float) -> Setting:
+        """Return the setting of the drive that commanding a value leads to."""
 
 
 class Phase(_Knob):
@@ -95,29 +122,11 @@ class Phase(_Knob):
         key = data_key("generator.phase", "deg", limits=limits)
         super().__init__("phase_deg", loop, key, check)
 
-    def set(self, value: float) -> DeviceStatus:
-        """Command a phase, with the drive on afterwards.
-
-        Parameters
-        ----------
-        value
-            Phase shift in degrees.
-
-        Returns
-        -------
-        DeviceStatus
-            Done when the board has acknowledged.
-
-        Raises
-        ------
-        usmbench.errors.InputError
-            It is out of range; nothing was sent.
-        """
-        self._check(value)
-        return self._loop.change(lambda old: replace(old, phase_deg=float(value), drive_on=1))
-
     def _value(self, setting: Setting) -> float:
         return setting.phase_deg
+
+    def _changed(self, setting: Setting, value: float) -> Setting:
+        return replace(setting, phase_deg=value, drive_on=1)
 
 
 class Frequency(_Knob):
@@ -136,26 +145,8 @@ class Frequency(_Knob):
         key = data_key("generator.frequency", "Hz", limits=limits)
         super().__init__("frequency_hz", loop, key, check)
 
-    def set(self, value: float) -> DeviceStatus:
-        """Command a frequency.
-
-        Parameters
-        ----------
-        value
-            Frequency in hertz.
-
-        Returns
-        -------
-        DeviceStatus
-            Done when the board has acknowledged.
-
-        Raises
-        ------
-        usmbench.errors.InputError
-            It is out of range; nothing was sent.
-        """
-        self._check(value)
-        return self._loop.change(lambda old: replace(old, frequency_hz=float(value)))
-
     def _value(self, setting: Setting) -> float:
         return setting.frequency_hz
+
+    def _changed(self, setting: Setting, value: float) -> Setting:
+        return replace(setting, frequency_hz=value)
