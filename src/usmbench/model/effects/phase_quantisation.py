@@ -11,6 +11,7 @@ _MEND = "Read the generator's phase register back, and check how many of its bit
 _COARSEST_DEG = 60.0
 _FINEST_DEG = 0.7
 _MANY = 100
+_SAME_STEP = 1e-9  # a commanded multiple must not fall below itself by rounding
 # Registers with n values, and round numbers of degrees.
 _USUAL_DEG = sorted(
     {
@@ -45,17 +46,9 @@ class RoundedPhase(Effect):
             As in `Effect.apply`.
         """
         step_deg = values["step_deg"]
-        return signal if step_deg <= 0.0 else step_deg * self.whole(signal / step_deg)
+        return signal if step_deg <= 0.0 else step_deg * self._whole(signal / step_deg)
 
-    @staticmethod
-    def whole(steps: Array) -> Array:
-        """Return whole numbers of steps.
-
-        Parameters
-        ----------
-        steps
-            As commanded, shape (N,).
-        """
+    def _whole(self, steps: Array) -> Array:
         return np.asarray(np.rint(steps))
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
@@ -81,15 +74,7 @@ class RoundedUpPhase(RoundedPhase):
 
     form = "rounded up"
 
-    @staticmethod
-    def whole(steps: Array) -> Array:
-        """Return whole numbers of steps.
-
-        Parameters
-        ----------
-        steps
-            As commanded, shape (N,).
-        """
+    def _whole(self, steps: Array) -> Array:
         return np.asarray(np.floor(steps + 0.5))
 
     def untestable(self, contexts: Sequence[Context]) -> str | None:
@@ -110,16 +95,8 @@ class TruncatedPhase(RoundedPhase):
 
     form = "cut off"
 
-    @staticmethod
-    def whole(steps: Array) -> Array:
-        """Return whole numbers of steps below.
-
-        Parameters
-        ----------
-        steps
-            As commanded, shape (N,).
-        """
-        return np.asarray(np.floor(steps + 1e-9))
+    def _whole(self, steps: Array) -> Array:
+        return np.asarray(np.floor(steps + _SAME_STEP))
 
 
 FORMS = (RoundedPhase(), RoundedUpPhase(), TruncatedPhase())

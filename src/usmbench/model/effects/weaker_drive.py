@@ -5,7 +5,9 @@ import numpy as np
 from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
 
 
-def weaker(signal: Array, context: Context, speed_lost: Array, held_back_rad_s: Array) -> Array:
+def weaker(
+    signal: Array, context: Context, speed_lost: Array | float, held_back_rad_s: Array | float
+) -> Array:
     """Return the settled speed of a motor that vibrates less, shape (N,).
 
     The crests are lower, and the friction that the vibration frees less of holds the rotor back:
@@ -28,7 +30,7 @@ def weaker(signal: Array, context: Context, speed_lost: Array, held_back_rad_s: 
 
 
 def travelling(signal: Array, context: Context) -> Array:
-    """Return the square of the speed over the highest one: how far the wave travels.
+    """Return how far the wave travels: the square of the speed over the highest one, shape (N,).
 
     Parameters
     ----------
@@ -61,5 +63,4 @@ class WeakerDrive(Effect):
         signal, context, values
             As in `Effect.apply`.
         """
-        lost, held_rad_s = np.array(values["speed_lost"]), np.array(values["held_back_rad_s"])
-        return weaker(signal, context, lost, held_rad_s)
+        return weaker(signal, context, values["speed_lost"], values["held_back_rad_s"])
