@@ -27,11 +27,6 @@ class Fit:
     roughness: float
 
     @property
-    def n_parameters(self) -> int:
-        """Number of fitted parameters."""
-        return sum(len(a.effect.parameters) for a in self.effects)
-
-    @property
     def free(self) -> int:
         """Degrees of freedom of the statistic at one point of the scan."""
         sized = [p for a in self.effects for p in a.effect.parameters if not p.scanned]

@@ -4,7 +4,6 @@
 it under ``residual: diagnosis``; for a model without it, cautious values stand in its place.
 """
 
-from base64 import b64decode, b64encode
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 from usmbench.diagnose.features import Features, phase_nodes, widening
 from usmbench.diagnose.noise import Noise, noise_from_mapping
 from usmbench.diagnose.stretches import Stretch
+from usmbench.diagnose.triangle_text import triangle_of, triangle_text
 from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel
 
@@ -103,7 +103,7 @@ class Knowledge:
             "noise": None if self.noise is None else self.noise.to_mapping(),
             "features": self.features.to_mapping(),
             "mean": [float(f"{value:.5g}") for value in self.mean],
-            "covariance_root": pack_root(self.root / self.features.prior[:, None]),
+            "covariance_root": triangle_text(self.root / self.features.prior[:, None]),
             "gain": self.gain,
             "dead_zone_deg": self.dead_zone_deg,
             "spikes_hz": self.spikes_hz,
@@ -133,7 +133,7 @@ def knowledge_of(model: HammersteinModel) -> Knowledge:
             noise_from_mapping(content["noise"]),
             features,
             np.array(content["mean"], dtype=np.float64),
-            features.prior[:, None] * unpack_root(content["covariance_root"], len(features.groups)),
+            features.prior[:, None] * triangle_of(content["covariance_root"], len(features.groups)),
             float(content["gain"]),
             float(content["dead_zone_deg"]),
             float(content["spikes_hz"]),
@@ -149,42 +149,6 @@ def knowledge_of(model: HammersteinModel) -> Knowledge:
             f"the model's residual: {KEY} does not have {n_shapes} shapes; identify the model again"
         )
     return known
-
-
-def pack_root(root: Array) -> str:
-    """Return a lower triangular matrix as text: half-precision numbers in base 64, row by row.
-
-    Half precision leaves 3e-4 of the prior, far below what any run can show.
-
-    Parameters
-    ----------
-    root
-        In priors, shape (K, K).
-    """
-    return b64encode(root[np.tril_indices(root.shape[0])].astype("<f2").tobytes()).decode("ascii")
-
-
-def unpack_root(text: str, size: int) -> Array:
-    """Return the matrix that `pack_root` wrote, shape (size, size).
-
-    Parameters
-    ----------
-    text
-        What it returned.
-    size
-        Rows of the matrix.
-
-    Raises
-    ------
-    ValueError
-        The text holds another number of values, or one that is no number.
-    """
-    values = np.frombuffer(b64decode(text, validate=True), "<f2").astype(np.float64)
-    if values.size != size * (size + 1) // 2 or not np.all(np.isfinite(values)):
-        raise ValueError(f"covariance_root is no triangle of {size} rows of numbers")
-    root = np.zeros((size, size))
-    root[np.tril_indices(size)] = values
-    return root
 
 
 def _features(content: dict[str, Any]) -> Features:

@@ -12,8 +12,10 @@ from usmbench.diagnose.refining import refine
 from usmbench.diagnose.result import Verdict
 from usmbench.diagnose.scanning import fit_effect, sharpen
 from usmbench.model.effects.base import Effect
+from usmbench.model.extended import Applied
 
 SIGNIFICANT = 0.01  # family-wise; with the omnibus test beside it, false alarms stay below 5 %
+PLAINLY = 1e-3  # that the views together show something
 _REFINED = 8
 _SAME = 0.5
 _TELLING = 9.2  # deviance between two causes that data can tell: 99 % of chi-squared with two
@@ -153,7 +155,7 @@ class Whole:
     p_value: float
 
 
-def whole_test(problem: Problem, basis: Basis, effects: Fit | None, spread: float) -> Whole:
+def whole_test(problem: Problem, basis: Basis, effects: Sequence[Applied], spread: float) -> Whole:
     """Test a residual against all views together.
 
     Parameters
@@ -163,15 +165,12 @@ def whole_test(problem: Problem, basis: Basis, effects: Fit | None, spread: floa
     basis
         Directions to look in.
     effects
-        The effects to take out first; None for none.
+        The effects to take out first.
     spread
         Standard deviation of the whitened noise.
     """
-    left = problem.residual
-    if effects is not None:
-        left = left - problem.carried(problem.change_rad_s(effects.effects))
     rank_ = basis.vectors.shape[1]
-    square = basis.square(left) / spread**2
+    square = basis.square(problem.left(effects)) / spread**2
     return Whole(max(square - rank_, 0.0), float(chi2.sf(square, rank_)))
 
 
@@ -186,6 +185,6 @@ def verdict(before: Whole, after: Whole, statistic: float) -> Verdict:
         Drop of the deviance that they bring.
     """
     share = after.excess / max(before.excess, statistic, 1e-12)
-    if after.p_value > 1e-3 or share < _LEFT_EXPLAINED:
+    if after.p_value > PLAINLY or share < _LEFT_EXPLAINED:
         return "explained"
     return "partly_explained" if share < _LEFT_PARTLY else "unexplained"

@@ -8,26 +8,16 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.detectable import smallest_sizes
 from usmbench.diagnose.fitting import Fit
+from usmbench.diagnose.found import Found
 from usmbench.diagnose.gain import Gain, held_out_gain
 from usmbench.diagnose.glitches import Glitches, find_glitches
 from usmbench.diagnose.knowledge import knowledge_of
-from usmbench.diagnose.naming import (
-    Ranked,
-    alternatives,
-    verdict,
-)
+from usmbench.diagnose.naming import PLAINLY, Ranked, alternatives, verdict
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.refining import intervals
 from usmbench.diagnose.remainder import describe
-from usmbench.diagnose.result import (
-    Candidate,
-    Diagnosis,
-    Estimate,
-    NamedCause,
-    Trace,
-    Verdict,
-)
-from usmbench.diagnose.search import Found, search
+from usmbench.diagnose.result import Candidate, Diagnosis, Estimate, NamedCause, Trace, Verdict
+from usmbench.diagnose.search import search
 from usmbench.diagnose.stretches import cut_runs
 from usmbench.diagnose.views import residual_views
 from usmbench.model.effects.base import Effect
@@ -82,7 +72,7 @@ def _verdict(found: Found, glitches: Glitches | None) -> Verdict:
             return "partly_explained" if found.confined else "unexplained"
         return says
     if glitches is not None:
-        return "explained" if found.before.p_value > 1e-3 else "partly_explained"
+        return "explained" if found.before.p_value > PLAINLY else "partly_explained"
     if not found.material:
         return "no_discrepancy"
     plain = held_out_gain(found.problem, found.fit)

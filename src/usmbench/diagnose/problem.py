@@ -105,6 +105,29 @@ class Problem:
             extended_run(both, s.context).speed_rad_s - s.simulated_rad_s for s in self.stretches
         ]
 
+    def left_rad_s(self, effects: Sequence[Applied]) -> list[Array]:
+        """Return the residual of each stretch with effects taken out, in rad/s, shape (N,).
+
+        Parameters
+        ----------
+        effects
+            The effects, beyond the model's own; none leaves the residual as it is.
+        """
+        if not effects:
+            return self.residual_rad_s
+        changes = self.change_rad_s(effects)
+        return [r - c for r, c in zip(self.residual_rad_s, changes, strict=True)]
+
+    def left(self, effects: Sequence[Applied]) -> Array:
+        """Return the carried residual with effects taken out, shape (M,).
+
+        Parameters
+        ----------
+        effects
+            The effects, beyond the model's own; none leaves the residual as it is.
+        """
+        return self.carried(self.left_rad_s(effects)) if effects else self.residual
+
     def carried(self, signal: Sequence[Array]) -> Array:
         """Return a residual as the vector whose square is its deviance, shape (M,) or (M, K).
 

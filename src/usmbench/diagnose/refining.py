@@ -139,8 +139,7 @@ class _Joint:
         return np.asarray(np.clip(theta, low, high), dtype=np.float64)
 
     def left(self, theta: Array) -> Array:
-        change = self._problem.change_rad_s(self.applied(theta))
-        return self._problem.residual - self._problem.carried(change)
+        return self._problem.left(self.applied(theta))
 
     def jacobian(self, theta: Array) -> Array:
         """Return how the carried residual changes with each parameter, shape (M, parameters)."""

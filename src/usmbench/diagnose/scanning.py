@@ -70,10 +70,7 @@ class _Search:
     def __init__(self, problem: Problem, effect: Effect, given: tuple[Applied, ...]):
         self._problem, self._effect, self._given = problem, effect, given
         self._base = problem.change_rad_s(given) if given else None
-        self._left = problem.residual
-        if self._base is not None:
-            self._left = problem.residual - problem.carried(self._base)
-        self._dev = float(self._left @ self._left)
+        self._left = problem.left(given)
 
     def columns(self, points: Sequence[Mapping[str, float]]) -> Array:
         """Return the carried changes that the effect makes at each point, shape (M, points)."""

@@ -1,18 +1,18 @@
 """The search for causes: rank, settle the noise, add causes while they earn their place."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.fitting import Fit
+from usmbench.diagnose.found import Found
 from usmbench.diagnose.gain import held_out_drop
 from usmbench.diagnose.knowledge import Knowledge
 from usmbench.diagnose.naming import (
     SIGNIFICANT,
     Ranked,
-    Whole,
     earns_its_place,
     rank,
     same_shape,
@@ -32,80 +32,7 @@ Array = NDArray[np.float64]
 _MOST_CAUSES = 3
 _HUBER = 2.5
 _MOST_ALONE = 0.05
-_MOST_LEFT = 0.4
-_GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by a tenth
-_MATERIAL = 0.1  # of the noise's mean square
 _FEWEST_ROWS = 8.0  # that a cause has to explain better
-_PLAINLY = 1e-3
-_ACTS = 2.0  # times the noise
-_FEW, _NEARLY_ALL = 0.3, 0.9
-
-
-@dataclass(frozen=True, slots=True)
-class Found:
-    """What the search came to.
-
-    Parameters
-    ----------
-    problem
-        The problem in its last state.
-    spread
-        Standard deviation of the whitened noise.
-    ranked
-        Every cause alone, best first.
-    named
-        One ranking a named cause, each given those before.
-    fit
-        All named causes together.
-    before, after
-        The tests over all views.
-    """
-
-    problem: Problem
-    spread: float
-    ranked: list[Ranked]
-    named: list[list[Ranked]]
-    fit: Fit
-    before: Whole
-    after: Whole
-
-    @property
-    def mostly_left(self) -> bool:
-        """Whether most of what is beyond the noise and all that is known stays unexplained."""
-        n = self.problem.n_rows * self.spread**2
-        left = self.problem.deviance - self.fit.statistic - n
-        return left > _MOST_LEFT * max(self.problem.deviance - n, 0.0) and left > _GROSS * n
-
-    @property
-    def confined(self) -> bool:
-        """Whether what stays unexplained sits in the few windows on which the named causes act.
-
-        A cause that acts by chance there (counts that are lost now and then at high speed) leaves
-        scatter that no simulation foresees.
-        """
-        changes = self.problem.change_rad_s(self.fit.effects)
-        acting, square = [], []
-        for stretch, mask, change, left in zip(
-            self.problem.stretches, self.problem.masks, changes, self.left_rad_s, strict=True
-        ):
-            level = self.problem.noise.level_rad_s(stretch)
-            acting.append((np.abs(change) > _ACTS * level)[mask])
-            square.append(((left / level) ** 2)[mask])
-        acts, squares = np.concatenate(acting), np.concatenate(square)
-        inside = float(np.sum(squares[acts]))
-        return bool(np.mean(acts) < _FEW and inside > _NEARLY_ALL * float(np.sum(squares)))
-
-    @property
-    def material(self) -> bool:
-        """Whether what the views show, nothing explained, is more than a trifle."""
-        return (
-            self.before.p_value < _PLAINLY and self.before.excess > _MATERIAL * self.problem.n_rows
-        )
-
-    @property
-    def left_rad_s(self) -> list[Array]:
-        """Residual of each stretch with the named causes taken out, in rad/s."""
-        return _left(self.problem, self.fit)
 
 
 def search(
@@ -133,10 +60,10 @@ def search(
     masks = _without(uses, spiked(stretches, residuals, noise, near_steps=False))
     problem = Problem(stretches, known, noise, masks, own)
     ranked = rank(problem, effects, 1.0)
-    best = None
+    best: tuple[Applied, ...] = ()
     if ranked[0].p_value < SIGNIFICANT:
-        best = refine_widely(problem, ranked[0].fit)
-    left = _left(problem, best)
+        best = refine_widely(problem, ranked[0].fit).effects
+    left = problem.left_rad_s(best)
     if known.noise is None:
         noise = estimate_noise(stretches, left, masks)
     masks = _without(uses, spiked(stretches, left, noise, near_steps=True))
@@ -146,8 +73,8 @@ def search(
     spread = _spread(problem, basis, best)
     ranked = rank(problem, effects, spread)
     named, fit, spread = _named(problem, basis, ranked, effects, spread)
-    before = whole_test(problem, basis, None, spread)
-    after = whole_test(problem, basis, fit, spread)
+    before = whole_test(problem, basis, (), spread)
+    after = whole_test(problem, basis, fit.effects, spread)
     return Found(problem, spread, ranked, named, fit, before, after)
 
 
@@ -180,7 +107,7 @@ def _named(
             break
         named.append(here)
         fit, earned = longer, drop
-        spread = max(1.0, _spread(problem, basis, fit))
+        spread = _spread(problem, basis, fit.effects)
         taken |= same_shape(here)
         here = rank(problem, [e for e in effects if e.name not in taken], spread, fit)
     return named, fit, spread
@@ -188,9 +115,7 @@ def _named(
 
 def _rows_behind(problem: Problem, fit: Fit, longer: Fit) -> float:
     """Effective number of the rows that more causes explain better: (Σd)²/Σd² of what they gain."""
-    before, after = (
-        problem.carried(_left(problem, f))[: problem.n_rows] ** 2 for f in (fit, longer)
-    )
+    before, after = (problem.left(f.effects)[: problem.n_rows] ** 2 for f in (fit, longer))
     gained = np.maximum(before - after, 0.0)
     return float(np.sum(gained) ** 2 / max(float(np.sum(gained**2)), 1e-300))
 
@@ -218,18 +143,8 @@ def _weights(problem: Problem, left_rad_s: Sequence[Array]) -> list[Array]:
     return weights
 
 
-def _left(problem: Problem, fit: Fit | None) -> list[Array]:
-    """Residual with the effects of a fit taken out."""
-    if fit is None or not fit.effects:
-        return problem.residual_rad_s
-    changes = problem.change_rad_s(fit.effects)
-    return [r - c for r, c in zip(problem.residual_rad_s, changes, strict=True)]
-
-
-def _spread(problem: Problem, basis: Basis, fit: Fit | None) -> float:
+def _spread(problem: Problem, basis: Basis, effects: Sequence[Applied]) -> float:
     """Robust standard deviation of the whitened noise outside the views, at least 1."""
-    left = problem.residual
-    if fit is not None and fit.effects:
-        left = left - problem.carried(problem.change_rad_s(fit.effects))
+    left = problem.left(effects)
     rows = (left - basis.vectors @ (basis.vectors.T @ left))[: problem.n_rows]
     return max(1.0, 1.4826 * float(np.median(np.abs(rows))))

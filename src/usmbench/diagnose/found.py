@@ -1,0 +1,85 @@
+"""What a search for causes came to, and whether it may stand."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.diagnose.fitting import Fit
+from usmbench.diagnose.naming import PLAINLY, Ranked, Whole
+from usmbench.diagnose.problem import Problem
+
+Array = NDArray[np.float64]
+
+_MOST_LEFT = 0.4  # as a share; what verdict() calls partly explained ends there, too
+_GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by a tenth
+_MATERIAL = 0.1  # of the noise's mean square
+_ACTS = 2.0  # times the noise
+_FEW, _NEARLY_ALL = 0.3, 0.9
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """What the search came to.
+
+    Parameters
+    ----------
+    problem
+        The problem in its last state.
+    spread
+        Standard deviation of the whitened noise.
+    ranked
+        Every cause alone, best first.
+    named
+        One ranking a named cause, each given those before.
+    fit
+        All named causes together.
+    before, after
+        The tests over all views.
+    """
+
+    problem: Problem
+    spread: float
+    ranked: list[Ranked]
+    named: list[list[Ranked]]
+    fit: Fit
+    before: Whole
+    after: Whole
+
+    @property
+    def mostly_left(self) -> bool:
+        """Whether most of what is beyond the noise and all that is known stays unexplained."""
+        n = self.problem.n_rows * self.spread**2
+        left = self.problem.deviance - self.fit.statistic - n
+        return left > _MOST_LEFT * max(self.problem.deviance - n, 0.0) and left > _GROSS * n
+
+    @property
+    def confined(self) -> bool:
+        """Whether what stays unexplained sits in the few windows on which the named causes act.
+
+        A cause that acts by chance there (counts that are lost now and then at high speed) leaves
+        scatter that no simulation foresees.
+        """
+        changes = self.problem.change_rad_s(self.fit.effects)
+        acting, square = [], []
+        for stretch, mask, change, left in zip(
+            self.problem.stretches, self.problem.masks, changes, self.left_rad_s, strict=True
+        ):
+            level = self.problem.noise.level_rad_s(stretch)
+            acting.append((np.abs(change) > _ACTS * level)[mask])
+            square.append(((left / level) ** 2)[mask])
+        acts, squares = np.concatenate(acting), np.concatenate(square)
+        inside = float(np.sum(squares[acts]))
+        return bool(np.mean(acts) < _FEW and inside > _NEARLY_ALL * float(np.sum(squares)))
+
+    @property
+    def material(self) -> bool:
+        """Whether what the views show, nothing explained, is more than a trifle."""
+        return (
+            self.before.p_value < PLAINLY and self.before.excess > _MATERIAL * self.problem.n_rows
+        )
+
+    @property
+    def left_rad_s(self) -> list[Array]:
+        """Residual of each stretch with the named causes taken out, in rad/s, shape (N,)."""
+        return self.problem.left_rad_s(self.fit.effects)
