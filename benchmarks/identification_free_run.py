@@ -31,6 +31,7 @@ from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.inverse_map import bezier_abscissa
 from usmbench.model.linear import fitted_start_rad_s, free_run
 from usmbench.model.simulate import simulate
+from usmbench.runs.dwells import dwell_begin
 from usmbench.runs.record import Record
 
 Array = NDArray[np.float64]
@@ -54,10 +55,7 @@ def rms(error: Array) -> float:
 def settled(record: Record) -> NDArray[np.bool_]:
     """Return the windows five and more after a change of phase."""
     rows = np.arange(record.phase_deg.size)
-    changed = np.r_[True, record.phase_deg[1:] != record.phase_deg[:-1]]
-    late: NDArray[np.bool_] = (
-        rows - np.maximum.accumulate(np.where(changed, rows, 0)) >= SETTLED_AFTER
-    )
+    late: NDArray[np.bool_] = rows - dwell_begin(record.phase_deg) >= SETTLED_AFTER
     return late
 
 

@@ -13,6 +13,7 @@ from usmbench.model.hammerstein import HammersteinModel, OperatingPoint
 from usmbench.model.linear import memory_windows
 from usmbench.model.operating_points import point_weights
 from usmbench.model.replay import middle_angle_rad
+from usmbench.runs.dwells import dwell_begin
 from usmbench.runs.record import Record
 
 Array = NDArray[np.float64]
@@ -194,10 +195,7 @@ def _stretch(
 ) -> Stretch:
     """Simulate a stretch and work out where each row stands after the last command."""
     simulated = extended_run(effects, context)
-    move_deg = np.diff(context.phase_deg, prepend=context.phase_deg[:1])
-    rows = np.arange(context.n)
-    moved = move_deg != 0.0
-    last = np.maximum.accumulate(np.where(moved, rows, 0))
+    rows, last = np.arange(context.n), dwell_begin(context.phase_deg)
     jump_rad_s = np.diff(simulated.settled_rad_s, prepend=simulated.settled_rad_s[:1])
     use = ~outside & (rows >= min(memory_windows(context.linear) + 3, _LONGEST_START))
     return Stretch(
@@ -209,7 +207,7 @@ def _stretch(
         simulated.settled_rad_s,
         rows - last,
         jump_rad_s[last],
-        np.sign(move_deg)[last],
+        np.sign(np.diff(context.phase_deg, prepend=context.phase_deg[:1]))[last],
         use,
     )
 

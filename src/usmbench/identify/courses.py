@@ -13,6 +13,7 @@ from usmbench.identify.dynamics import Parametrised
 from usmbench.identify.polish import Polished
 from usmbench.identify.robust import changing_rows
 from usmbench.model.linear import free_run, memory_windows
+from usmbench.runs.dwells import dwell_begin
 
 Array = NDArray[np.float64]
 
@@ -72,8 +73,7 @@ def courses_of(stretches: Sequence[Stretch], found: Polished) -> list[Course]:
     memory = memory_windows(found.dynamics.linear_part(None), _FORGOTTEN)
     for stretch in stretches:
         rows = np.arange(stretch.speed_rad_s.size)
-        changed = np.r_[True, stretch.phase_deg[1:] != stretch.phase_deg[:-1]]
-        kept = rows - np.maximum.accumulate(np.where(changed, rows, 0)) <= memory
+        kept = rows - dwell_begin(stretch.phase_deg) <= memory
         half = np.where(rows > memory, rows // _BLOCK_ROWS % 2, -1)
         settled_rad_s = stretch.basis[kept] @ found.delta[stretch.point]
         changing = changing_rows(stretch.phase_deg, found.dynamics)

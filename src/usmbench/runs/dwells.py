@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from usmbench.runs.record import Column, Pairs
 
@@ -69,6 +70,20 @@ def derive_pairs(
         direction=_direction(phase_deg[start])[has_pair],
         t_s=t_s[start + length - 1][has_pair],
     )
+
+
+def dwell_begin(phase_deg: Column) -> NDArray[np.int64]:
+    """Return the row at which the phase took the value that it has in each row, shape (N,).
+
+    Parameters
+    ----------
+    phase_deg
+        Commanded phase, shape (N,).
+    """
+    rows = np.arange(phase_deg.size)
+    changed = np.diff(phase_deg, prepend=phase_deg[:1]) != 0.0
+    begin: NDArray[np.int64] = np.maximum.accumulate(np.where(changed, rows, 0))
+    return begin
 
 
 def _or(column: Column | None, otherwise: Column) -> Column:
