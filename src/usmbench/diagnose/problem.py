@@ -12,13 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
 from scipy.signal import lfilter
 
+from usmbench.diagnose.free_runs import FreeRuns
 from usmbench.diagnose.knowledge import Knowledge
 from usmbench.diagnose.noise import Noise
 from usmbench.diagnose.stretches import Mask, Stretch
-from usmbench.model.extended import Applied, extended_run
+from usmbench.model.extended import Applied
 
 Array = NDArray[np.float64]
 
@@ -56,6 +56,7 @@ class Problem:
         self.stretches = tuple(stretches)
         self.known, self.noise = known, noise
         self.own = tuple(own)
+        self._runs = FreeRuns(self.stretches)
         self._weights = (
             tuple(np.ones(s.context.n) for s in self.stretches)
             if weights is None
@@ -100,10 +101,8 @@ class Problem:
         effects
             The effects, beyond the model's own.
         """
-        both = (*self.own, *effects)
-        return [
-            extended_run(both, s.context).speed_rad_s - s.simulated_rad_s for s in self.stretches
-        ]
+        extended = self._runs.speed_rad_s((*self.own, *effects))
+        return [e - s.simulated_rad_s for e, s in zip(extended, self.stretches, strict=True)]
 
     def left_rad_s(self, effects: Sequence[Applied]) -> list[Array]:
         """Return the residual of each stretch with effects taken out, in rad/s, shape (N,).
@@ -137,7 +136,7 @@ class Problem:
             The residual of each stretch, in rad/s, shape (N,), or (N, K) for K of them at once.
         """
         white = self._rows(self._white(signal))
-        beta = cho_solve(self._factor, self._columns.T @ white)
+        beta = ((self._columns.T @ white).T / self._tension).T
         carried: Array = np.concatenate([white - self._columns @ beta, beta])
         return carried
 
@@ -147,9 +146,9 @@ class Problem:
         self._valid = [self._whole(mask) for mask in self.masks]
         matrix = self._rows(self._background)
         power, ways = np.linalg.eigh(matrix.T @ matrix)
-        self._columns: Array = matrix @ ways[:, power > _HIDDEN]
-        gram = self._columns.T @ self._columns + np.eye(self._columns.shape[1])
-        self._factor = cho_factor(gram)
+        shown = power > _HIDDEN
+        self._columns: Array = matrix @ ways[:, shown]
+        self._tension: Array = 1.0 + power[shown]  # CᵀC + 1, which is diagonal
         self.residual = self.carried(self.residual_rad_s)
         self.deviance = float(self.residual @ self.residual)
 

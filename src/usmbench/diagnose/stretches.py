@@ -28,7 +28,6 @@ _MOST_WINDOWS = 40_000  # more add time and memory, and hardly power
 _BLOCK = 2000
 
 
-@dataclass(frozen=True, slots=True)
 class TabledCurve:
     """A static curve row by row, by linear interpolation in a fine table.
 
@@ -39,12 +38,21 @@ class TabledCurve:
     speed_rad_s
         Speeds at the nodes, one array a point.
     weights
-        Weight of each point on each row, shape (N,) each; scalar 1 for a single point.
+        Weight of each point on each row, shape (N,) each.
+    own_deg
+        The rows' own phases, for which the curve is asked over and over, shape (N,).
     """
 
-    phase_deg: Array
-    speed_rad_s: tuple[Array, ...]
-    weights: tuple[Array, ...]
+    def __init__(
+        self,
+        phase_deg: Array,
+        speed_rad_s: Sequence[Array],
+        weights: Sequence[Array],
+        own_deg: Array,
+    ):
+        self._phase_deg, self._speed_rad_s, self._weights = phase_deg, speed_rad_s, weights
+        self._own_deg, self._own_rad_s = own_deg, self._looked_up(own_deg)
+        self._own_rad_s.flags.writeable = False
 
     def __call__(self, phase_deg: Array) -> Array:
         """Return the settled speed of each row.
@@ -54,9 +62,12 @@ class TabledCurve:
         phase_deg
             Phase of each row, shape (N,).
         """
+        return self._own_rad_s if phase_deg is self._own_deg else self._looked_up(phase_deg)
+
+    def _looked_up(self, phase_deg: Array) -> Array:
         parts = [
-            w * np.interp(phase_deg, self.phase_deg, s)
-            for w, s in zip(self.weights, self.speed_rad_s, strict=True)
+            w * np.interp(phase_deg, self._phase_deg, s)
+            for w, s in zip(self._weights, self._speed_rad_s, strict=True)
         ]
         total: Array = sum(parts[1:], parts[0])
         return total
@@ -147,13 +158,13 @@ def cut_runs(
         window_s = float(np.median(record.window_s))
         jumps = np.flatnonzero(np.diff(record.t_s) > _GAP * window_s) + 1
         for rows in _pieces(record.t_s.size, jumps, keep):
+            phase_deg = record.phase_deg[rows]
+            speeds, shares = [t[1] for t in tables], [w[rows] for w in weights]
             context = Context(
                 record.t_s[rows],
                 window_s,
-                record.phase_deg[rows],
-                TabledCurve(
-                    tables[0][0], tuple(t[1] for t in tables), tuple(w[rows] for w in weights)
-                ),
+                phase_deg,
+                TabledCurve(tables[0][0], speeds, shares, phase_deg),
                 model.linear,
                 angle_rad[rows],
                 None if record.temperature_c is None else record.temperature_c[rows],

@@ -96,41 +96,35 @@ def omnibus(problem: Problem) -> dict[str, Basis]:
     """
     bases, every = {}, []
     for binning in binnings(problem.stretches):
-        columns = np.column_stack(list(_columns(problem, binning)))
+        parts = zip(*_columns(problem, binning), strict=True)
+        columns = problem.carried([np.column_stack(part) for part in parts])
         bases[binning.versus] = _basis(columns)
         every.append(bases[binning.versus].vectors)
     bases["all"] = _basis(np.column_stack(every))
     return bases
 
 
-def _columns(problem: Problem, binning: Binning) -> Iterator[Array]:
-    """Yield the carried columns of a view: the bins, and what belongs to them."""
+def _columns(problem: Problem, binning: Binning) -> Iterator[list[Array]]:
+    """Yield the columns of a view, by stretch: the bins, and what belongs to them."""
     stretches = problem.stretches
     pairs = list(zip(binning.index, binning.sign, strict=True))
     for k in range(binning.centre.size):
-        yield problem.carried([(i == k) * w for i, w in pairs])
+        yield [(i == k) * w for i, w in pairs]
     if binning.versus == "time":
         for k in range(binning.centre.size):
-            yield problem.carried(
-                [
-                    (i == k) * s.simulated_rad_s
-                    for i, s in zip(binning.index, stretches, strict=True)
-                ]
-            )
+            yield [
+                (i == k) * s.simulated_rad_s for i, s in zip(binning.index, stretches, strict=True)
+            ]
     if binning.versus == "lag":
         for k in range(binning.centre.size):
-            yield problem.carried(
-                [(i == k) * s.step_rad_s for i, s in zip(binning.index, stretches, strict=True)]
-            )
+            yield [(i == k) * s.step_rad_s for i, s in zip(binning.index, stretches, strict=True)]
     if binning.versus == "angle":
         for harmonic in (1, 2, 3):
             for wave in (np.cos, np.sin):
-                yield problem.carried(
-                    [
-                        s.simulated_rad_s * wave(harmonic * np.asarray(s.context.angle_rad))
-                        for s in stretches
-                    ]
-                )
+                yield [
+                    s.simulated_rad_s * wave(harmonic * np.asarray(s.context.angle_rad))
+                    for s in stretches
+                ]
 
 
 def _basis(columns: Array) -> Basis:

@@ -97,15 +97,43 @@ def extended_run(
         Measured speed, shape (N,), from whose first windows the start is taken; None starts
         settled.
     """
+    shaft = shaft_run(effects, context, measured_rad_s)
+    return ExtendedRun(shaft.settled_rad_s, counted(effects, shaft.speed_rad_s, context))
+
+
+def shaft_run(
+    effects: Sequence[Applied], context: Context, measured_rad_s: Array | None = None
+) -> ExtendedRun:
+    """Run the simulation free up to the speed of the motor's shaft.
+
+    Parameters
+    ----------
+    effects, context, measured_rad_s
+        As in `extended_run`.
+    """
     phase_deg = through(effects, "command", context.phase_deg, context)
     settled_rad_s = through(effects, "settled", context.settled_rad_s(phase_deg), context)
     linear = linear_part(effects, context)
     start_rad_s = None
     if measured_rad_s is not None:
         start_rad_s = fitted_start_rad_s(linear, settled_rad_s, measured_rad_s)
-    motion_rad_s = free_run(linear, settled_rad_s, start_rad_s)
-    motion_rad_s = through(effects, "motion", motion_rad_s, context)
-    return ExtendedRun(settled_rad_s, through(effects, "counter", motion_rad_s, context))
+    return ExtendedRun(settled_rad_s, free_run(linear, settled_rad_s, start_rad_s))
+
+
+def counted(effects: Sequence[Applied], shaft_rad_s: Array, context: Context) -> Array:
+    """Return the speed that is reported, with what sits between the motor's shaft and the report.
+
+    Parameters
+    ----------
+    effects
+        All effects.
+    shaft_rad_s
+        Speed of the shaft, shape (N,).
+    context
+        The stretch.
+    """
+    motion_rad_s = through(effects, "motion", shaft_rad_s, context)
+    return through(effects, "counter", motion_rad_s, context)
 
 
 def through(effects: Sequence[Applied], stage: Stage, signal: Array, context: Context) -> Array:

@@ -148,6 +148,11 @@ def _lag_windows(linear: LinearPart) -> tuple[float, float]:
     return tau_s / linear.window_s, max(dead_s / linear.window_s, 0.0)
 
 
+def _poles(a: Array) -> NDArray[np.complex128]:
+    """Poles of a denominator; a single one needs no search for roots."""
+    return np.asarray(-a if a.size == 1 else np.roots(np.r_[1.0, a]), dtype=np.complex128)
+
+
 def time_constant_s(linear: LinearPart) -> float | None:
     """Return the time constant τ of the slowest real decaying mode.
 
@@ -161,7 +166,7 @@ def time_constant_s(linear: LinearPart) -> float | None:
     float or None
         None where the samples have no time step, or no pole is real, positive and stable.
     """
-    poles = np.roots(np.r_[1.0, linear.a])
+    poles = _poles(linear.a)
     real = poles.real[(np.abs(poles.imag) < 1e-9) & (poles.real > 0.0) & (poles.real < 1.0)]
     if linear.window_s is None or real.size == 0:
         return None
@@ -184,7 +189,7 @@ def dead_time_s(linear: LinearPart) -> float | None:
     float or None
         None where the samples have no time step or a pole is not real, positive and stable.
     """
-    poles = np.roots(np.r_[1.0, linear.a])
+    poles = _poles(linear.a)
     plain = (np.abs(poles.imag) < 1e-9) & (poles.real > 0.0) & (poles.real < 1.0)
     if linear.window_s is None or not np.all(plain):
         return None
@@ -205,7 +210,7 @@ def memory_windows(linear: LinearPart, left: float = 1e-3) -> int:
     left
         Share of an initial error that may be left.
     """
-    poles = np.roots(np.r_[1.0, linear.a])
+    poles = _poles(linear.a)
     slowest = min(float(np.max(np.abs(poles), initial=0.0)), 0.9999)
     decay = 0 if slowest < 1e-6 else math.ceil(math.log(left) / math.log(slowest))
     return linear.dead_time_windows + linear.b.size - 1 + decay

@@ -9,6 +9,8 @@ time t of constant v, y = (v − ω)/s obeys ``sinh y(t) = sinh y(0) exp(−t/τ
 ``τ (G(y(0)) − G(y(t)))`` with ``G(y) = ∫ y coth y dy``.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
@@ -49,12 +51,24 @@ def limited_run(
     late = np.r_[np.full(whole + 1, start_rad_s), settled_rad_s][: settled_rad_s.size + 1]
     part = dead_windows - whole
     window = _Window(late[:-1], late[1:], part, tau_windows, slip_limit_rad_s)
-    begin = _window_starts(window, start_rad_s)
-    y = window.slips(begin)
-    lost = _slip_integral(y[0]) - _slip_integral(y[1]) + _slip_integral(y[2])
-    lost -= _slip_integral(y[3])
+    slips = _window_slips(window, start_rad_s)
+    # A window begins where the one before ended.
+    ended = _slip_integral(slips.last)
+    lost = np.r_[_slip_integral(slips.first[:1]), ended[:-1]] - ended
+    lost[window.changed] += _slip_integral(slips.right) - _slip_integral(slips.left)
     mean: Array = part * window.before + (1.0 - part) * window.after
-    return mean - slip_limit_rad_s * tau_windows * lost
+    mean -= slip_limit_rad_s * tau_windows * lost
+    return mean
+
+
+@dataclass(frozen=True, slots=True)
+class _Slips:
+    """Slips over s: at a window's first and last moment, and on both sides of a change in it."""
+
+    first: Array
+    left: Array
+    right: Array
+    last: Array
 
 
 class _Window:
@@ -63,42 +77,45 @@ class _Window:
     def __init__(self, before: Array, after: Array, part: float, tau: float, slip: float) -> None:
         self.before, self.after = before, after
         self.decay = np.exp(-1.0 / tau)
+        self.changed = np.flatnonzero(after != before)
+        self._jump = (after - before)[self.changed] / slip
         self._decays = np.exp(-part / tau), np.exp(-(1.0 - part) / tau)
         self._slip = slip
 
-    def slips(self, begin: Array) -> tuple[Array, Array, Array, Array]:
-        """Slips over s at both ends of the first part, and of the second."""
-        slip = self._slip
-        first = np.clip((self.before - begin) / slip, -_HIGHEST, _HIGHEST)
-        left = np.arcsinh(np.sinh(first) * self._decays[0])
-        second = np.clip((self.after - self.before) / slip + left, -_HIGHEST, _HIGHEST)
-        return first, left, second, np.arcsinh(np.sinh(second) * self._decays[1])
+    def slips(self, begin: Array) -> _Slips:
+        """Slips of windows that begin at these speeds."""
+        first = np.clip((self.before - begin) / self._slip, -_HIGHEST, _HIGHEST)
+        fading = np.sinh(first) * self._decays[0]
+        left = np.arcsinh(fading[self.changed])
+        right = np.clip(self._jump + left, -_HIGHEST, _HIGHEST)
+        fading[self.changed] = np.sinh(right)
+        return _Slips(first, left, right, np.arcsinh(fading * self._decays[1]))
 
-    def ends(self, begin: Array) -> Array:
+    def ends(self, slips: _Slips) -> Array:
         """Speed at the end of each window."""
-        end: Array = self.after - self._slip * self.slips(begin)[3]
+        end: Array = self.after - self._slip * slips.last
         return end
 
 
-def _window_starts(window: _Window, start_rad_s: float) -> Array:
-    """Speed at the start of each window.
+def _window_slips(window: _Window, start_rad_s: float) -> _Slips:
+    """Slips of every window, each begun as the one before ends.
 
     The linear lag is solved for what the limit adds to it, over and over: each round is right for
     one window more at least, and for all of them once the saturated windows are behind.
     """
     begin: Array = np.r_[start_rad_s, window.before[1:]]
     close = _SAME * max(float(np.max(np.abs(begin))), 1e-300)
-    for _ in range(begin.size):
-        added = window.ends(begin) - window.decay * begin
+    for _ in range(begin.size + 1):
+        slips = window.slips(begin)
+        added = window.ends(slips) - window.decay * begin
         filtered, _ = lfilter(
             [1.0], [1.0, -window.decay], added[:-1], zi=[window.decay * start_rad_s]
         )
         moved = np.r_[start_rad_s, filtered]
-        settled = np.max(np.abs(moved - begin)) <= close
-        begin = moved
-        if settled:
+        if np.max(np.abs(moved - begin)) <= close:
             break
-    return begin
+        begin = moved
+    return slips
 
 
 def _slip_integral(y: Array) -> Array:

@@ -29,14 +29,15 @@ class CouplingBacklash(Effect):
             return signal
         turned_rad = np.abs(signal) * context.window_s
         way = _latest(np.sign(signal))
-        edges = np.flatnonzero(np.diff(way)) + 1
-        carried_rad = np.zeros_like(turned_rad)
-        ahead_rad = 0.0  # of the rotor's path to the flank that drives the disc
-        for rows in np.split(np.arange(signal.size), edges):
-            path_rad = np.cumsum(turned_rad[rows])
-            disc_rad = np.maximum(path_rad - ahead_rad, 0.0)
-            carried_rad[rows] = np.diff(disc_rad, prepend=0.0)
-            ahead_rad = gap_rad - max(ahead_rad - float(path_rad[-1]), 0.0)
+        begins = np.flatnonzero(np.diff(way, prepend=np.nan))
+        lengths = np.diff(begins, append=signal.size)
+        whole_rad = np.add.reduceat(turned_rad, begins)
+        ahead_rad = np.repeat(_ahead_rad(whole_rad, gap_rad), lengths)
+        before_rad = np.repeat(np.cumsum(whole_rad) - whole_rad, lengths)
+        path_rad = np.cumsum(turned_rad) - before_rad
+        disc_rad = np.maximum(path_rad - ahead_rad, 0.0)
+        carried_rad = np.diff(disc_rad, prepend=0.0)
+        carried_rad[begins] = disc_rad[begins]
         carried: Array = way * carried_rad / context.window_s
         return carried
 
@@ -62,6 +63,15 @@ class CouplingBacklash(Effect):
         if any(float(v.min()) < 0.0 < float(v.max()) for v in speeds):
             return None
         return "the shaft never reverses"
+
+
+def _ahead_rad(turned_rad: Array, gap_rad: float) -> Array:
+    """Return the rotor's path to the flank that drives the disc, at the begin of each way."""
+    found, ahead_rad = np.zeros_like(turned_rad), 0.0
+    for k, path_rad in enumerate(turned_rad.tolist()):
+        found[k] = ahead_rad
+        ahead_rad = gap_rad - max(ahead_rad - path_rad, 0.0)
+    return found
 
 
 def _latest(way: Array) -> Array:
