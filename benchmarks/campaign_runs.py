@@ -27,10 +27,6 @@ FREQUENCY_HZ = 41_000.0
 # Lost counts are among what is looked for: they must not end the run.
 _BENCH = BenchSettings(name="campaign")
 _SETTINGS = replace(_BENCH, interlocks=replace(_BENCH.interlocks, index_error_max_counts=None))
-_HEAD = (
-    f"format: usmbench-plan/1\nfrequency_hz: {FREQUENCY_HZ:.0f}\n"
-    "warm_up: {phase_deg: 90, duration_s: 2}\n"
-)
 _STAIRS = 25
 # A campaign runs for an hour beside whatever else this machine does.
 _WIRE_SILENCE_S = 120.0
@@ -69,22 +65,35 @@ class Motor:
 
 @dataclass(frozen=True, slots=True)
 class Excited:
-    """What is driven: a plan's kind, its length, its seed."""
+    """What is driven: a plan's kind, its length over all frequencies, its seed, the frequencies."""
 
     kind: str
     duration_s: float
     seed: int
+    frequencies_hz: tuple[float, ...] = (FREQUENCY_HZ,)
 
     def plan(self) -> Plan:
         """Return the plan."""
-        return parse_plan(parse_source(_HEAD + self._body(), f"{self.kind}.yaml"))
+        head = (
+            f"format: usmbench-plan/1\nfrequency_hz: {list(self.frequencies_hz)}\n"
+            "warm_up: {phase_deg: 90, duration_s: 2}\n"
+        )
+        return parse_plan(parse_source(head + self._body(), f"{self.kind}.yaml"))
+
+    @property
+    def name(self) -> str:
+        """What tells it from others."""
+        others = self.frequencies_hz != (FREQUENCY_HZ,)
+        where = "-" + "+".join(f"{f:g}" for f in self.frequencies_hz) + "Hz" if others else ""
+        return f"{self.kind}-{self.duration_s:g}s-{self.seed}{where}"
 
     def _body(self) -> str:
+        duration_s = self.duration_s / len(self.frequencies_hz)
         if self.kind == "staircase":
             # Up and down; the phases move by less than a step from seed to seed.
             offset_deg = float(np.random.default_rng(self.seed).uniform(-1.5, 1.5))
             phases = np.round(np.linspace(-88.0, 88.0, _STAIRS) + offset_deg, 3)
-            windows = round(100.0 * self.duration_s / (2 * _STAIRS))
+            windows = round(100.0 * duration_s / (2 * _STAIRS))
             return (
                 f"passes:\n  - phase_deg: {phases.tolist()}\n    direction: both\n"
                 f"dwell: {{windows: {windows}, extend_to_windows: {windows}}}\n"
@@ -96,7 +105,7 @@ class Excited:
         )
         return (
             f"excitation: {{kind: {self.kind}, seed: {self.seed}, amplitude_deg: 89, "
-            f"duration_s: {self.duration_s}, {shape}}}\n"
+            f"duration_s: {duration_s}, {shape}}}\n"
         )
 
 
@@ -127,7 +136,7 @@ class Measured:
         parts = [
             f"{motor.seed}-{1e3 * motor.noise_correlation_s:g}ms-{motor.wander:g}",
             *(["quiet"] if motor.quiet else []),
-            f"{excited.kind}-{excited.duration_s:g}s-{excited.seed}-{self.run_seed}",
+            f"{excited.name}-{self.run_seed}",
             *(f"{defect.mechanism}={defect.size:.6g}" for defect in self.defects),
             *(["wire"] if self.wire else []),
         ]

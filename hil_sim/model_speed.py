@@ -1,5 +1,6 @@
 """The speed that a model file gives, window by window, while the commands are still coming in."""
 
+from dataclasses import replace
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -9,7 +10,7 @@ from usmbench.errors import InputError
 from usmbench.model.effects.base import Context
 from usmbench.model.extended import applied_effects, extended_run, through
 from usmbench.model.hammerstein import HammersteinModel
-from usmbench.model.operating_points import point_weights
+from usmbench.model.operating_points import detuning_weights, point_weights
 from usmbench.model.simulate import MixedCurve
 
 _AHEAD: Final = 64
@@ -103,20 +104,24 @@ class ModelSpeed:
         t_s, phase_deg, frequency_hz, torque_nm, driven = windows.T
         frequency_hz = np.where(driven > 0.0, frequency_hz, last.frequency_hz)
         weights, _ = point_weights(self._model.points, t_s.size, frequency_hz, torque_nm)
-        curve = MixedCurve(self._model.points, tuple(weights))
-
-        def settled_rad_s(commanded_deg: NDArray[np.float64]) -> NDArray[np.float64]:
-            speed: NDArray[np.float64] = curve(commanded_deg) * driven
-            return speed
-
-        context = Context(t_s, self.window_s, phase_deg, settled_rad_s, self._model.linear)
+        settled, detuning = self._curves([weight * driven for weight in weights])
+        context = Context(
+            t_s, self.window_s, phase_deg, settled, self._model.linear, detuning_rad_s=detuning
+        )
         shaft = [a for a in self._effects if a.effect.stage != "counter"]
         motion = extended_run(shaft, context).speed_rad_s
         turned_rad = motion * self.window_s
         angle_rad = self._forgotten_rad + np.cumsum(turned_rad) - 0.5 * turned_rad
-        seen = Context(t_s, self.window_s, phase_deg, settled_rad_s, self._model.linear, angle_rad)
+        seen = replace(context, angle_rad=angle_rad)
         shown = through(self._effects, "counter", motion, seen)
         self._ahead, self._taken = shown[len(self._past) - 1 :], 0
         if len(self._past) > 2 * _REMEMBERED:
             self._forgotten_rad += float(turned_rad[:_REMEMBERED].sum())
             del self._past[:_REMEMBERED]
+
+    def _curves(self, weights: list[NDArray[np.float64]]) -> tuple[MixedCurve, MixedCurve | None]:
+        """Settled speed and its change with the drive frequency, by the weights of the points."""
+        points = self._model.points
+        slopes = detuning_weights(points, weights)
+        detuning = None if slopes is None else MixedCurve(points, slopes)
+        return MixedCurve(points, tuple(weights)), detuning

@@ -1,7 +1,7 @@
 """The plans from which the next experiment is chosen: of one length, and unlike each other."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -79,7 +79,8 @@ class Range:
     window_s
         Duration of a window.
     frequency_hz, torque_nm
-        Drive frequencies and load torques that the model knows, at least one each.
+        Drive frequencies and load torques that the model knows, at least one each; where the runs
+        were comes first.
     """
 
     low_deg: float
@@ -101,11 +102,8 @@ def range_of(model: HammersteinModel, records: Sequence[Record]) -> Range | None
         Runs of the motor: what they drove comes first.
     """
     points = model.points
-    frequencies = {p.frequency_hz for p in points if p.frequency_hz is not None}
-    torques = {p.torque_nm for p in points if p.torque_nm is not None}
-    for column in (r.frequency_hz for r in records if r.frequency_hz is not None):
-        frequencies = frequencies or {float(np.median(column))}
-    if not frequencies:
+    frequencies_hz = _known((p.frequency_hz for p in points), [r.frequency_hz for r in records])
+    if not frequencies_hz:
         return None
     low_deg = max(p.phase_range_deg[0] for p in points)
     high_deg = min(p.phase_range_deg[1] for p in points)
@@ -119,13 +117,22 @@ def range_of(model: HammersteinModel, records: Sequence[Record]) -> Range | None
         high_deg,
         (edges[0], edges[1]),
         float(np.median(records[0].window_s)),
-        tuple(sorted(frequencies)),
-        tuple(sorted(torques)) or (0.0,),
+        frequencies_hz,
+        _known((p.torque_nm for p in points), [r.torque_nm for r in records]) or (0.0,),
     )
 
 
+def _known(values: Iterable[float | None], columns: Sequence[Array | None]) -> tuple[float, ...]:
+    """Return what the points know of a setting, nearest to the runs' first; else the runs' own."""
+    known = sorted({value for value in values if value is not None})
+    driven = [float(np.median(column)) for column in columns if column is not None]
+    if not driven:
+        return tuple(known)
+    return tuple(sorted(known, key=lambda value: abs(value - driven[0]))) or (driven[0],)
+
+
 def menu(where: Range) -> tuple[Experiment, ...]:
-    """Return the experiments to choose from, each about 30 s of drive at an operating point.
+    """Return the experiments to choose from, each about 30 s of drive at a load torque.
 
     Parameters
     ----------
@@ -183,12 +190,16 @@ def _passes(where: Range) -> Iterator[tuple[str, Document]]:
         "small steps through the dead zone, to and fro",
         {"passes": [near], "dwell": _dwell(max(windows // (4 * _STAIRS), _SHORTEST_DWELL))},
     )
-    for key, values in (("torque_nm", where.torque_nm), ("frequency_hz", where.frequency_hz)):
-        if len(values) > 1:
-            spread: Document = {"passes": [both], "dwell": slow, key: list(values)}
-            if key == "torque_nm":
-                spread["load"] = "operator"
-            yield f"the slow staircase at {len(values)} values of {key}", spread
+    if len(where.torque_nm) > 1:
+        torques_nm = sorted(where.torque_nm)
+        loads = {"torque_nm": torques_nm, "load": "operator"}
+        says = f"the slow staircase at {len(torques_nm)} load torques"
+        yield says, {"passes": [both], "dwell": slow, **loads}
+    here_hz, *others_hz = where.frequency_hz
+    half = _dwell(max(windows // (4 * len(even)), _SHORTEST_DWELL))
+    for other_hz in others_hz:
+        says = f"a staircase, up and down, at {here_hz:g} Hz and at {other_hz:g} Hz"
+        yield says, {"passes": [both], "dwell": half, "frequency_hz": [here_hz, other_hz]}
 
 
 def _held_long(where: Range, windows: int) -> Document:

@@ -6,10 +6,11 @@ runs that it was identified on.
 ========= ==========================================================================
 group     shape
 ========= ==========================================================================
-phase     a hat over φ: the curve's own error
+phase     a hat over φ, at each operating point: the curve's own error
 direction the same, with the sign of the last move: what depends on where φ came from
 time      the speed, times a hat over time: the motor warms in every run
 heat      the speed, times the power it has taken so far: and warms by how it is driven
+resonance both again, of what the resonance's move does, where the model knows several frequencies
 lag k     the step, k windows after it, times hats over the speeds it leads from and to
 edge      what a wider dead zone changes, times a hat over time: it widens as the motor warms
 start     a speed lost near standstill, after each kind of step, and a dead zone that is wider
@@ -42,6 +43,7 @@ GROUPS = (
     "direction",
     "time",
     "heat",
+    "resonance",
     "edge",
     *_LAG_GROUPS,
     "start",
@@ -54,6 +56,7 @@ PRIOR = {
     "direction": 1e-3,
     "time": 5e-3,
     "heat": 2e-2,
+    "resonance": 2e-2,
     "edge": 0.2,
     **dict.fromkeys(_LAG_GROUPS, 0.05),
     "start": 0.2,
@@ -73,20 +76,28 @@ class Features:
         Highest speed of the model.
     end_s
         Time up to which the runs reached that the model was identified on.
+    n_points
+        Number of the model's operating points.
+    steepest_rad_s
+        Largest change of the speed with the relative drive frequency; None where the model knows
+        one frequency only.
     """
 
     nodes_deg: tuple[float, ...]
     top_rad_s: float
     end_s: float
+    n_points: int = 1
+    steepest_rad_s: float | None = None
 
     @property
     def groups(self) -> list[str]:
         """Group of every column, in the order of `columns`."""
         counts = [
-            _PHASE_NODES,
+            _PHASE_NODES * self.n_points,
             _PHASE_NODES,
             _TIME_NODES - 1,
             2,
+            0 if self.steepest_rad_s is None else _TIME_NODES + 2,
             _EDGE_NODES - 1,
             *(n * n for n in _CELLS),
             KINDS * len(_CREEP) + 1,
@@ -97,7 +108,7 @@ class Features:
     @property
     def prior(self) -> Array:
         """Standard deviation of every coefficient before any run was seen, shape (K,)."""
-        scale = {"phase": self.top_rad_s, "direction": self.top_rad_s}
+        scale = dict.fromkeys(("phase", "direction", "resonance"), self.top_rad_s)
         return np.array([PRIOR[g] * scale.get(g, 1.0) for g in self.groups])
 
     def columns(self, stretch: Stretch) -> Iterator[Array]:
@@ -110,12 +121,16 @@ class Features:
         """
         speed = stretch.simulated_rad_s
         over_phase = list(hats(stretch.context.phase_deg, np.array(self.nodes_deg)))
-        yield from over_phase
+        for weight in stretch.points:
+            yield from (column * weight for column in over_phase)
         yield from (column * stretch.direction for column in over_phase)
-        yield from (column * speed for column in self._over_time(stretch, _TIME_NODES))
-        size = np.abs(speed) / self.top_rad_s
-        for power in (size - 0.5, size**2 - size):
-            yield speed * np.cumsum(power) * stretch.context.window_s / self.end_s
+        yield from self._warming(stretch, speed)
+        if self.steepest_rad_s is not None:
+            # A shift that is there from the start is none of the phases': its sign differs
+            # between the sides of the resonance.
+            moved = _detuned(stretch) / self.steepest_rad_s
+            yield moved
+            yield from self._warming(stretch, moved)
         wider = widening(stretch)
         yield from (column * wider for column in self._over_time(stretch, _EDGE_NODES))
         yield from self._after_steps(stretch)
@@ -129,6 +144,13 @@ class Features:
                     if angle_rad is None
                     else speed * wave(harmonic * angle_rad)
                 )
+
+    def _warming(self, stretch: Stretch, shape: Array) -> Iterator[Array]:
+        """Yield a shape times hats over time, and times the power taken so far."""
+        yield from (column * shape for column in self._over_time(stretch, _TIME_NODES))
+        size = np.abs(stretch.simulated_rad_s) / self.top_rad_s
+        for power in (size - 0.5, size**2 - size):
+            yield shape * np.cumsum(power) * stretch.context.window_s / self.end_s
 
     def _over_time(self, stretch: Stretch, n_nodes: int) -> Iterator[Array]:
         """Yield hats over time but the first: what is there from the start belongs to the phases.
@@ -182,6 +204,8 @@ class Features:
             "nodes_deg": list(self.nodes_deg),
             "top_rad_s": self.top_rad_s,
             "end_s": self.end_s,
+            "n_points": self.n_points,
+            "steepest_rad_s": self.steepest_rad_s,
         }
 
 
@@ -209,6 +233,8 @@ def features_of(stretches: Sequence[Stretch]) -> Features:
         phase_nodes(table_deg, speeds),
         max(max(float(np.max(np.abs(s.settled_rad_s))) for s in stretches), 1e-9),
         max(float(s.context.t_s[-1]) for s in stretches),
+        len(stretches[0].points),
+        _steepest_rad_s(stretches),
     )
 
 
@@ -226,6 +252,16 @@ def phase_nodes(phase_deg: Array, speed_rad_s: Array) -> tuple[float, ...]:
     along = np.linspace(0.0, 1.0, phase_deg.size) + path / max(float(path[-1]), 1e-12)
     nodes = np.interp(np.linspace(0.0, along[-1], _PHASE_NODES), along, phase_deg)
     return tuple(float(f"{node:.6g}") for node in nodes)
+
+
+def _steepest_rad_s(stretches: Sequence[Stretch]) -> float | None:
+    """Largest change of the speed with the relative drive frequency, where it is known."""
+    changes = [
+        float(np.max(np.abs(s.context.detuning_rad_s(s.context.phase_deg))))
+        for s in stretches
+        if s.context.detuning_rad_s is not None
+    ]
+    return max(changes) if changes and min(changes) > 0.0 else None
 
 
 def hats(values: Array, nodes: Array) -> Iterator[Array]:
@@ -257,3 +293,13 @@ def widening(stretch: Stretch) -> Array:
     moved = context.settled_rad_s(context.phase_deg - way)
     linear = context.linear
     return from_rest(linear.b, linear.a, linear.dead_time_windows, moved - stretch.settled_rad_s)
+
+
+def _detuned(stretch: Stretch) -> Array:
+    """Return the change of speed with the relative drive frequency."""
+    context, detuning_rad_s = stretch.context, stretch.context.detuning_rad_s
+    if detuning_rad_s is None:
+        return np.zeros(context.n)
+    linear = context.linear
+    changed = detuning_rad_s(context.phase_deg)
+    return from_rest(linear.b, linear.a, linear.dead_time_windows, changed)

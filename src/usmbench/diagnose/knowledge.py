@@ -154,7 +154,14 @@ def knowledge_of(model: HammersteinModel) -> Knowledge:
 def _features(content: dict[str, Any]) -> Features:
     """Return the shapes that a model file keeps."""
     nodes_deg = tuple(float(node) for node in content["nodes_deg"])
-    return Features(nodes_deg, float(content["top_rad_s"]), float(content["end_s"]))
+    steepest_rad_s = content.get("steepest_rad_s")
+    return Features(
+        nodes_deg,
+        float(content["top_rad_s"]),
+        float(content["end_s"]),
+        int(content.get("n_points", 1)),
+        None if steepest_rad_s is None else float(steepest_rad_s),
+    )
 
 
 def _cautious(model: HammersteinModel) -> Knowledge:
@@ -167,6 +174,7 @@ def _cautious(model: HammersteinModel) -> Knowledge:
         phase_nodes(table_deg, model.points[0].curve.speed_rad_s(table_deg)),
         max(max(float(np.max(np.abs(p.curve.delta))) for p in model.points), 1e-9),
         1.0,
+        len(model.points),
     )
     lags = {g: _CAUTIOUS_LAG for g in features.groups if g.startswith("lag")}
     deviation = {"phase": _CAUTIOUS_CURVE * noise_rad_s, **lags}

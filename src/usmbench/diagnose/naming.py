@@ -24,6 +24,7 @@ _TELLING = 9.2  # deviance between two causes that data can tell: 99 % of chi-sq
 # benchmarks/next_experiment.py), of much evidence an amount and what a form of an effect is off by.
 _SIMILAR = 0.1
 _MISFIT, _OFF = 50.0, 0.03
+_ONE_WAY = 2.0 * math.log(2.0)  # a parameter with one sign is given half the room beforehand
 _SECOND_SHARE = 0.01
 _SECOND_LEAST = 20.0
 _LEFT_EXPLAINED = 0.08
@@ -85,9 +86,14 @@ def rank(
         statistic = max(fit.statistic, 0.0) / spread**2
         alone = Fit(fit.effects[-1:], statistic, fit.roughness)
         p_value = min(1.0, alone.p_value * len(effects))
-        n_own = max(len(effect.parameters), 1)
-        found.append(Ranked(effect, fit, statistic, p_value, statistic - n_own * price))
+        found.append(Ranked(effect, fit, statistic, p_value, statistic - _price(effect, price)))
     return sorted(found, key=lambda r: -r.score)
+
+
+def _price(effect: Effect, each: float) -> float:
+    """Price of an effect's parameters in deviance."""
+    one_way = sum(p.null in (p.low, p.high) for p in effect.parameters if not p.scanned)
+    return max(len(effect.parameters), 1) * each - one_way * _ONE_WAY
 
 
 def telling_deviance(evidence: float) -> float:

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from usmbench.errors import InputError
 from usmbench.model.effects.base import Context
 from usmbench.model.extended import Applied, extended_run
-from usmbench.model.hammerstein import HammersteinModel, OperatingPoint
+from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.linear import memory_windows
-from usmbench.model.operating_points import point_weights
+from usmbench.model.operating_points import detuning_weights, point_weights
 from usmbench.model.replay import middle_angle_rad
 from usmbench.runs.dwells import dwell_begin
 from usmbench.runs.record import Record
@@ -99,6 +99,8 @@ class Stretch:
         +1 where φ last rose, -1 where it last fell, 0 before it moved.
     use
         Rows to judge: inside the model's range and past the start.
+    points
+        Weight of each of the model's operating points.
     """
 
     run: int
@@ -111,6 +113,7 @@ class Stretch:
     step_rad_s: Array
     direction: Array
     use: Mask
+    points: tuple[Array, ...]
 
     @property
     def residual_rad_s(self) -> Array:
@@ -142,7 +145,8 @@ def cut_runs(
     InputError
         Runs that do not belong to the model, or too short to say anything.
     """
-    tables = tuple(_table(point) for point in model.points)
+    nodes_deg = np.linspace(-200.0, 200.0, _NODES)
+    speeds = [point.curve.speed_rad_s(nodes_deg) for point in model.points]
     stretches: list[Stretch] = []
     warnings: list[str] = []
     _check_motors(records)
@@ -153,26 +157,28 @@ def cut_runs(
         weights, outside = point_weights(
             model.points, record.t_s.size, record.frequency_hz, record.torque_nm
         )
+        slopes = detuning_weights(model.points, weights)
         outside |= _beyond(model, weights, record.phase_deg)
         _check_outside(record, outside, warnings)
         window_s = float(np.median(record.window_s))
         jumps = np.flatnonzero(np.diff(record.t_s) > _GAP * window_s) + 1
         for rows in _pieces(record.t_s.size, jumps, keep):
-            phase_deg = record.phase_deg[rows]
-            speeds, shares = [t[1] for t in tables], [w[rows] for w in weights]
+            phase_deg, points = record.phase_deg[rows], tuple(w[rows] for w in weights)
             context = Context(
                 record.t_s[rows],
                 window_s,
                 phase_deg,
-                TabledCurve(tables[0][0], speeds, shares, phase_deg),
+                TabledCurve(nodes_deg, speeds, points, phase_deg),
                 model.linear,
                 angle_rad[rows],
                 None if record.temperature_c is None else record.temperature_c[rows],
+                None
+                if slopes is None
+                else TabledCurve(nodes_deg, speeds, [w[rows] for w in slopes], phase_deg),
             )
+            measured_rad_s, use = record.speed_rad_s[rows], ~outside[rows]
             stretches.append(
-                _stretch(
-                    run, record.name, context, record.speed_rad_s[rows], effects, outside[rows]
-                )
+                _stretch(run, record.name, context, measured_rad_s, effects, use, points)
             )
     if sum(int(np.count_nonzero(s.use)) for s in stretches) < _FEWEST_WINDOWS:
         raise InputError(
@@ -202,13 +208,14 @@ def _stretch(
     context: Context,
     speed_rad_s: Array,
     effects: Sequence[Applied],
-    outside: Mask,
+    use: Mask,
+    points: tuple[Array, ...],
 ) -> Stretch:
     """Simulate a stretch and work out where each row stands after the last command."""
     simulated = extended_run(effects, context)
     rows, last = np.arange(context.n), dwell_begin(context.phase_deg)
     jump_rad_s = np.diff(simulated.settled_rad_s, prepend=simulated.settled_rad_s[:1])
-    use = ~outside & (rows >= min(memory_windows(context.linear) + 3, _LONGEST_START))
+    started = rows >= min(memory_windows(context.linear) + 3, _LONGEST_START)
     return Stretch(
         run,
         name,
@@ -219,14 +226,9 @@ def _stretch(
         rows - last,
         jump_rad_s[last],
         np.sign(np.diff(context.phase_deg, prepend=context.phase_deg[:1]))[last],
-        use,
+        use & started,
+        points,
     )
-
-
-def _table(point: OperatingPoint) -> tuple[Array, Array]:
-    """Nodes over all phases, and the point's speeds there."""
-    nodes_deg = np.linspace(-200.0, 200.0, _NODES)
-    return nodes_deg, point.curve.speed_rad_s(nodes_deg)
 
 
 def _beyond(model: HammersteinModel, weights: Sequence[Array], phase_deg: Array) -> Mask:

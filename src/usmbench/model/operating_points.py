@@ -62,6 +62,54 @@ def point_weights(
     return [table[place.ravel(), k] for k in range(len(points))], outside[place.ravel()]
 
 
+def detuning_weights(
+    points: Sequence[OperatingPoint], weights: Sequence[Array]
+) -> tuple[Array, ...] | None:
+    """Return by how much each point's curve counts in f ∂v/∂f on every row, shape (N,) each.
+
+    A point's slope is the mean of those to its neighbours in frequency, weighed by the inverse
+    square of their distance: central where they are as far, and else that of the nearer.
+
+    Parameters
+    ----------
+    points
+        The model's operating points.
+    weights
+        As `point_weights` returns them.
+
+    Returns
+    -------
+    tuple of Array or None
+        None where a point has no neighbour in frequency at its torque.
+    """
+    table = np.zeros((len(points), len(points)))
+    for i, point in enumerate(points):
+        beside = _beside(points, i)
+        if not beside:
+            return None
+        nearness = sum(step_hz**-2 for _, step_hz in beside)
+        for k, step_hz in beside:
+            share = float(point.frequency_hz or 0.0) * step_hz**-3 / nearness
+            table[i, k] += share
+            table[i, i] -= share
+    return tuple(table.T @ np.array(weights))
+
+
+def _beside(points: Sequence[OperatingPoint], i: int) -> list[tuple[int, float]]:
+    """Nearest points below and above in frequency at the same torque, and how far they are."""
+    here = points[i]
+    steps_hz = {
+        k: point.frequency_hz - here.frequency_hz
+        for k, point in enumerate(points)
+        if point.frequency_hz is not None
+        and here.frequency_hz is not None
+        and point.torque_nm == here.torque_nm
+    }
+    below = [(k, step_hz) for k, step_hz in steps_hz.items() if step_hz < 0.0]
+    above = [(k, step_hz) for k, step_hz in steps_hz.items() if step_hz > 0.0]
+    return [min(side, key=lambda pair: abs(pair[1])) for side in (below, above) if side]
+
+
 def _weights_of(nodes: Array, asked: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Weights (rows × nodes) of distinct requests."""
     spread = np.ptp(nodes, axis=0)

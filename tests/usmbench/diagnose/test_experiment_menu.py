@@ -43,9 +43,18 @@ def test_every_plan_is_one_that_sweep_takes_and_stays_in_range(
         run = planned_record(experiment.plan, model, where.window_s)
         assert run.phase_deg.min() >= where.low_deg, experiment.says
         assert run.phase_deg.max() <= where.high_deg, experiment.says
-        n_points = len(experiment.plan.frequency_hz) * len(experiment.plan.torque_nm)
-        duration_s = float(run.t_s[-1]) / n_points
+        duration_s = float(run.t_s[-1]) / len(experiment.plan.torque_nm)
         assert 0.7 * DURATION_S < duration_s < 1.4 * DURATION_S, experiment.says
+
+
+def test_the_runs_own_operating_point_comes_first(model: HammersteinModel) -> None:
+    points = [replace(model.points[0], frequency_hz=f) for f in (40_000.0, 41_000.0, 42_000.0)]
+    where = range_of(replace(model, points=tuple(points)), [record(np.full(100, 41_000.0))])
+    assert where is not None
+    assert where.frequency_hz[0] == 41_000.0
+    driven = [e.plan.frequency_hz for e in menu(where)]
+    assert {f[0] for f in driven} == {41_000.0}
+    assert {f[1] for f in driven if len(f) == 2} == {40_000.0, 42_000.0}
 
 
 def test_loads_and_frequencies_are_on_the_menu_only_where_the_model_knows_several() -> None:

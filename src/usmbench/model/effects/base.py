@@ -81,6 +81,9 @@ class Context:
         itself can say.
     temperature_c
         Temperature, where it was measured.
+    detuning_rad_s
+        How the settled speed changes with the drive frequency, relative to it: f ∂v/∂f, phases in;
+        None where the model knows one frequency only.
     """
 
     t_s: Array
@@ -90,6 +93,7 @@ class Context:
     linear: LinearPart
     angle_rad: Array | None = None
     temperature_c: Array | None = None
+    detuning_rad_s: Callable[[Array], Array] | None = None
 
     @property
     def n(self) -> int:

@@ -1,14 +1,39 @@
 """The generator's crystal is off: both drive frequencies are."""
 
+from usmbench.model.effects.base import Array, Context, Parameter, Values
+from usmbench.model.effects.resonance import AlongResonance, detuned
 from usmbench.model.effects.weaker_drive import WeakerDrive
 
+_MEANING = "The drive frequency is not the one commanded, so the motor vibrates less or more."
+_MEND = "Measure the drive frequency with a counter; look at the generator's crystal."
 
-class CrystalError(WeakerDrive):
-    """The drive sits elsewhere on the resonance, and vibrates less (or more) than it did."""
+
+class CrystalError(AlongResonance):
+    """v′ = v + p f ∂v/∂f: faster on one side of the resonance, slower on the other."""
 
     name = "crystal_error"
-    meaning = "The drive frequency is not the one commanded, so the motor vibrates less or more."
-    mend = "Measure the drive frequency with a counter; look at the generator's crystal."
+    form = "along the resonance"
+    meaning = _MEANING
+    mend = _MEND
+    parameters = (Parameter("frequency_error_ppm", "ppm", 0.0, -5000.0, 5000.0, 5.0),)
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the settled speed.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        return detuned(signal, context, 1e-6 * values["frequency_error_ppm"])
 
 
-FORMS = (CrystalError(),)
+class UnknownSlope(WeakerDrive):
+    """What it does at one frequency, of whose slope nothing is known."""
+
+    name = "crystal_error"
+    meaning = _MEANING
+    mend = _MEND
+
+
+FORMS = (CrystalError(), UnknownSlope())

@@ -1,14 +1,45 @@
 """The generators are not equally strong."""
 
+from usmbench.model.effects.base import Array, Context, Parameter, Values
+from usmbench.model.effects.resonance import AlongResonance, vibrating_less
 from usmbench.model.effects.weaker_drive import WeakerDrive
 
+_MEANING = "One of the two drive voltages is weaker than the other."
+_MEND = "Compare the two amplitudes on an oscilloscope; look at the amplifiers and the filters."
+_LOST = Parameter("speed_lost", "1", 0.0, 0.0, 0.9, 0.01)
 
-class GeneratorImbalance(WeakerDrive):
-    """One standing wave is lower than the other: less of the vibration travels."""
+
+class GeneratorImbalance(AlongResonance):
+    """One standing wave is lower than the other: the crests are lower, at every frequency alike.
+
+    The waves that run either way differ in energy by the product of both voltages, so the highest
+    speed falls with its root, and nothing raises it.
+    """
 
     name = "generator_imbalance"
-    meaning = "One of the two drive voltages is weaker than the other."
-    mend = "Compare the two amplitudes on an oscilloscope; look at the amplifiers and the filters."
+    form = "along the resonance"
+    meaning = _MEANING
+    mend = _MEND
+    parameters = (_LOST,)
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the settled speed.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        return vibrating_less(signal, context, values["speed_lost"])
 
 
-FORMS = (GeneratorImbalance(),)
+class UnknownSlope(WeakerDrive):
+    """What it does at one frequency, of whose slope nothing is known."""
+
+    name = "generator_imbalance"
+    meaning = _MEANING
+    mend = _MEND
+    parameters = (_LOST, Parameter("held_back_rad_s", "rad/s", 0.0, 0.0, 30.0, 0.05))
+
+
+FORMS = (GeneratorImbalance(), UnknownSlope())

@@ -1,11 +1,18 @@
 """Speed changes as the motor warms."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
 
 from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values, longest_s
+from usmbench.model.effects.resonance import (
+    RESONANCE_KNOWN,
+    AlongResonance,
+    detuned,
+    knows_resonance,
+)
 from usmbench.model.effects.weaker_drive import weaker
 
 _MEANING = "The speed changes over the run as the motor warms and its resonance moves."
@@ -48,7 +55,9 @@ class ThermalDrift(Effect):
             All stretches.
         """
         run_s = longest_s(contexts)
-        return {"warm_up_s": np.clip(run_s * np.geomspace(0.03, 3.0, 9), 0.2, 3000.0)}
+        warm_up = self.parameters[-1]
+        tried_s = np.clip(run_s * np.geomspace(0.03, 3.0, 9), warm_up.low, warm_up.high)
+        return {"warm_up_s": np.unique(tried_s)}
 
 
 class DriftingFriction(ThermalDrift):
@@ -73,5 +82,37 @@ class DriftingFriction(ThermalDrift):
         lost, held_rad_s = -values["final_drift"], values["final_held_back_rad_s"]
         return weaker(signal, context, lost * warmed, held_rad_s * warmed)
 
+    def untestable(self, contexts: Sequence[Context]) -> str | None:
+        """Return why these runs cannot show the cause, or None where they can.
 
-FORMS = (ThermalDrift(), DriftingFriction())
+        Parameters
+        ----------
+        contexts
+            All stretches.
+        """
+        return RESONANCE_KNOWN if knows_resonance(contexts) else None
+
+
+class DriftingResonance(ThermalDrift, AlongResonance):
+    """v′ = v − d (1 − exp(−t/τ)) f ∂v/∂f: the resonance moves, along the curve the model knows."""
+
+    form = "along the resonance"
+    parameters = (
+        Parameter("final_shift_ppm", "ppm", 0.0, -20_000.0, 20_000.0, 10.0),
+        # A shift within a few seconds is no warm-up; it would look like another frequency.
+        replace(_WARM_UP, low=5.0),
+    )
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the settled speed.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        warmed = -np.expm1(-context.t_s / values["warm_up_s"])
+        return detuned(signal, context, -1e-6 * values["final_shift_ppm"] * warmed)
+
+
+FORMS = (ThermalDrift(), DriftingFriction(), DriftingResonance())

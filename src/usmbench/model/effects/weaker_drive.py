@@ -1,8 +1,11 @@
-"""What a smaller vibration does: less speed, and more friction."""
+"""What a smaller vibration does, where no resonance curve says it: less speed, more friction."""
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+from usmbench.model.effects.resonance import RESONANCE_KNOWN, knows_resonance
 
 
 def weaker(
@@ -64,3 +67,13 @@ class WeakerDrive(Effect):
             As in `Effect.apply`.
         """
         return weaker(signal, context, values["speed_lost"], values["held_back_rad_s"])
+
+    def untestable(self, contexts: Sequence[Context]) -> str | None:
+        """Return why these runs cannot show the cause, or None where they can.
+
+        Parameters
+        ----------
+        contexts
+            All stretches.
+        """
+        return RESONANCE_KNOWN if knows_resonance(contexts) else None

@@ -46,7 +46,16 @@ def _context(n: int = 600) -> Context:
     phase_deg = np.repeat(np.random.default_rng(3).uniform(-90.0, 90.0, n // 5), 5)
     linear = LinearPart(np.array([-0.05]), np.array([0.6, 0.35]), 0, WINDOW_S)
     t_s = WINDOW_S * np.arange(1.0, n + 1.0)
-    return Context(t_s, WINDOW_S, phase_deg, _curve, linear, np.cumsum(np.full(n, 0.07)))
+    turned_rad = np.cumsum(np.full(n, 0.07))
+    return Context(
+        t_s,
+        WINDOW_S,
+        phase_deg,
+        _curve,
+        linear,
+        turned_rad,
+        detuning_rad_s=lambda p: 50 * _curve(p),
+    )
 
 
 def _run(applied: list[Applied]) -> Array:

@@ -1,0 +1,55 @@
+"""What the speed does beside the frequencies that a model knows."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from usmbench.model.hammerstein import OperatingPoint, StaticCurve
+from usmbench.model.operating_points import detuning_weights, point_weights
+
+CURVE = StaticCurve(np.array([-90.0, 90.0]), np.array([-10.0, 10.0]))
+
+
+def _points(*where: tuple[float | None, float]) -> list[OperatingPoint]:
+    return [OperatingPoint(f, t, CURVE, (-90.0, 90.0), (None, None), 0.01) for f, t in where]
+
+
+@settings(deadline=None, max_examples=30)
+@given(
+    slope=st.floats(-1.0, 1.0),
+    steps_hz=st.lists(st.floats(1.0, 500.0), min_size=1, max_size=4),
+)
+def test_a_straight_resonance_curve_has_its_slope_everywhere(
+    slope: float, steps_hz: list[float]
+) -> None:
+    frequencies_hz = 40_000.0 + np.cumsum([0.0, *steps_hz])
+    points = _points(*((float(f), 0.1) for f in frequencies_hz))
+    asked_hz = np.array([*frequencies_hz, 0.5 * (frequencies_hz[0] + frequencies_hz[1])])
+    weights, _ = point_weights(points, asked_hz.size, asked_hz, np.full(asked_hz.size, 0.1))
+    slopes = detuning_weights(points, weights)
+    assert slopes is not None
+    found = sum(w * slope * f for w, f in zip(slopes, frequencies_hz, strict=True))
+    assert np.allclose(found, slope * asked_hz, rtol=1e-6, atol=1e-6)
+
+
+def test_the_nearer_neighbour_says_more() -> None:
+    points = _points((40_000.0, 0.0), (40_010.0, 0.0), (41_000.0, 0.0))
+    slopes = detuning_weights(points, [np.zeros(1), np.ones(1), np.zeros(1)])
+    assert slopes is not None
+    left, right = slopes[0][0], slopes[2][0]
+    assert abs(left) > 1e4 * abs(right)
+
+
+@pytest.mark.parametrize(
+    "where",
+    [
+        [(40_000.0, 0.0)],
+        [(40_000.0, 0.0), (40_000.0, 0.1)],
+        [(40_000.0, 0.0), (40_100.0, 0.0), (40_000.0, 0.1)],
+        [(None, 0.0), (None, 0.1)],
+    ],
+)
+def test_one_frequency_has_no_slope(where: list[tuple[float | None, float]]) -> None:
+    points = _points(*where)
+    assert detuning_weights(points, [np.ones(1)] * len(points)) is None
