@@ -53,6 +53,8 @@ def _size(problem: Problem, effect: Effect, sized: Parameter, wanted: float) -> 
         carried = problem.carried(problem.change_rad_s([Applied(effect, values)]))
         return float(carried @ carried)
 
+    if energy(0.0) >= wanted:
+        return None  # it shows at any size
     low, low_energy = 0.0, 0.0
     size = sized.typical / 64.0
     for _ in range(_DOUBLINGS):

@@ -84,7 +84,18 @@ def held_out_gain(problem: Problem, fit: Fit, *, glitches: bool = False) -> Gain
                 ]
             )
         )
-    table = np.concatenate(sums, axis=1)
+    return gain_of_blocks(np.concatenate(sums, axis=1))
+
+
+def gain_of_blocks(table: Array) -> Gain:
+    """Return the scores of blocks, and how far chance may move them.
+
+    Parameters
+    ----------
+    table
+        Sums of squares of the residual before, after, and of the noise, and numbers of rows before
+        and after; one column a block, shape (5, K).
+    """
     table = table[:, table[3] > 0]
     ms, value = _shares(table)
     draw = np.random.default_rng(_SEED)

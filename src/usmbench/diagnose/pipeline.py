@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from usmbench.diagnose.anew import identified_anew
 from usmbench.diagnose.detectable import smallest_sizes
 from usmbench.diagnose.fitting import Fit
 from usmbench.diagnose.found import Found
@@ -18,7 +19,7 @@ from usmbench.diagnose.refining import intervals
 from usmbench.diagnose.remainder import describe
 from usmbench.diagnose.result import Candidate, Diagnosis, Estimate, NamedCause, Trace, Verdict
 from usmbench.diagnose.search import search
-from usmbench.diagnose.stretches import cut_runs
+from usmbench.diagnose.stretches import Stretch, cut_runs
 from usmbench.diagnose.views import residual_views
 from usmbench.model.effects.base import Effect
 from usmbench.model.effects.registry import library
@@ -48,9 +49,24 @@ def diagnose(records: Sequence[Record], model: HammersteinModel) -> Diagnosis:
     usmbench.errors.InputError
         Runs that do not belong to the model or together, or too short to say anything.
     """
-    known = knowledge_of(model)
-    own = (*applied_effects(model.effects), *applied_effects(known.habits))
-    stretches, warnings = cut_runs(records, model, own)
+    stretches, warnings = cut_runs(records, model, _own(model))
+    anew = identified_anew(stretches, model, library())
+    if anew is None:
+        return _diagnosed(stretches, warnings, model)
+    again, _ = cut_runs(records, anew.model, _own(anew.model))
+    return anew.told(_diagnosed(again, warnings, anew.model))
+
+
+def _own(model: HammersteinModel) -> tuple[Applied, ...]:
+    """Return the model's effects, and what the bench does to every command."""
+    return (*applied_effects(model.effects), *applied_effects(knowledge_of(model).habits))
+
+
+def _diagnosed(
+    stretches: Sequence[Stretch], warnings: Sequence[str], model: HammersteinModel
+) -> Diagnosis:
+    """Diagnose a model that is taken for what it says."""
+    known, own = knowledge_of(model), _own(model)
     contexts = [s.context for s in stretches]
     reasons = {(e.name, e.form): e.untestable(contexts) for e in library()}
     testable = [e for e in library() if reasons[e.name, e.form] is None]

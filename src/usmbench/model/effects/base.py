@@ -151,6 +151,26 @@ class Effect(ABC):
         """
         return None
 
+    def beneath(
+        self,
+        contexts: Sequence[Context],
+        measured_rad_s: Sequence[Array],
+        simulated_rad_s: Sequence[Array],
+    ) -> bool:
+        """Return whether runs and model alike look as if seen through the cause.
+
+        Such a model was identified on what the cause leaves of the speed; to show the cause it has
+        to be identified anew with the cause in place.
+
+        Parameters
+        ----------
+        contexts
+            All stretches of the runs under diagnosis.
+        measured_rad_s, simulated_rad_s
+            Speed on each of them, and the model's free run, shape (N,).
+        """
+        return False
+
     @property
     def null(self) -> dict[str, float]:
         """Values at which the effect vanishes."""

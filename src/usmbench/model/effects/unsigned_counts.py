@@ -1,10 +1,17 @@
-"""One encoder channel is dead: the sign of the speed is lost."""
+"""The sign of the speed is lost."""
 
+import math
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
+from scipy.signal import lfilter
 
-from usmbench.model.effects.base import Array, Context, Effect, Values
+from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+
+# Shares of the highest speed: what is less may be noise, or a model's ringing.
+_MEASURED_BACKWARDS, _SIMULATED_BACKWARDS = 0.1, 0.3
+_BOTH_WAYS = 0.2  # of the farthest command
 
 
 class UnsignedCounts(Effect):
@@ -14,7 +21,7 @@ class UnsignedCounts(Effect):
     meaning = "The sign of the speed is lost: one channel of the encoder is dead."
     mend = "Check both encoder channels with an oscilloscope, and the counter's decoding mode."
     stage = "counter"
-    parameters = ()
+    parameters: ClassVar[tuple[Parameter, ...]] = ()
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the speed that is reported.
@@ -37,5 +44,72 @@ class UnsignedCounts(Effect):
         lowest = min(float(np.min(c.settled_rad_s(c.phase_deg))) for c in contexts)
         return None if lowest < 0.0 else "no command turns the motor backwards"
 
+    def beneath(
+        self,
+        contexts: Sequence[Context],
+        measured_rad_s: Sequence[Array],
+        simulated_rad_s: Sequence[Array],
+    ) -> bool:
+        """Return whether the commands go both ways, and neither run nor model ever does.
 
-FORMS = (UnsignedCounts(),)
+        Parameters
+        ----------
+        contexts, measured_rad_s, simulated_rad_s
+            As in `Effect.beneath`.
+        """
+        phase_deg = np.concatenate([c.phase_deg for c in contexts])
+        both_ways = min(-phase_deg.min(), phase_deg.max()) > _BOTH_WAYS * np.abs(phase_deg).max()
+        measured, simulated = (np.concatenate(list(s)) for s in (measured_rad_s, simulated_rad_s))
+        return bool(
+            both_ways
+            and measured.min() > -_MEASURED_BACKWARDS * measured.max()
+            and simulated.min() > -_SIMULATED_BACKWARDS * simulated.max()
+        )
+
+
+class Rectified(UnsignedCounts):
+    """ω′ = √(ω² + k²) − k, smoothed by a first-order lag: a tachometer behind a rectifier.
+
+    Its diodes pass little below their knee k, and a capacitor smooths what they pass.
+    """
+
+    form = "rectified"
+    meaning = "The sign of the speed is lost, and small speeds with it, as behind a rectifier."
+    mend = "Take a tachometer's voltage before its rectifier; of an encoder, check both channels."
+    parameters = (
+        Parameter("knee_rad_s", "rad/s", 0.0, 0.0, 1e3, 0.5, scanned=True),
+        Parameter("smoothing_s", "s", 0.0, 0.0, 1.0, 0.01, scanned=True),
+    )
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the speed that is reported.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        knee_rad_s, smoothing_s = values["knee_rad_s"], values["smoothing_s"]
+        passed = signal**2 / np.maximum(np.hypot(signal, knee_rad_s) + knee_rad_s, 1e-300)
+        if smoothing_s <= 0.0:
+            return np.asarray(passed)
+        pole = math.exp(-context.window_s / smoothing_s)
+        smoothed, _ = lfilter([1.0 - pole], [1.0, -pole], passed, zi=[pole * passed[0]])
+        return np.asarray(smoothed)
+
+    def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
+        """Return knees up to some times the highest speed, and up to four windows of smoothing.
+
+        Parameters
+        ----------
+        contexts
+            All stretches.
+        """
+        top_rad_s = max(float(np.max(np.abs(c.settled_rad_s(c.phase_deg)))) for c in contexts)
+        return {
+            "knee_rad_s": top_rad_s * np.array([0.0, 0.1, 0.3, 1.0, 3.0]),
+            "smoothing_s": contexts[0].window_s * np.array([0.0, 1.0, 2.0, 4.0]),
+        }
+
+
+FORMS = (UnsignedCounts(), Rectified())

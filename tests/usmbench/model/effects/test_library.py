@@ -73,8 +73,8 @@ def test_the_library_holds_every_cause() -> None:
 @pytest.mark.parametrize("effect", library(), ids=_ids)
 class TestEveryEffect:
     def test_vanishes_at_its_null(self, effect: Effect) -> None:
-        if not effect.parameters:
-            assert not np.allclose(_run([Applied(effect, {})]), _run([]))
+        if effect.name == "unsigned_counts":  # a sign is lost or not, whatever shapes the rest
+            assert not np.allclose(_run([Applied(effect, effect.null)]), _run([]))
             return
         assert np.allclose(_run([Applied(effect, effect.null)]), _run([]), atol=1e-12)
 

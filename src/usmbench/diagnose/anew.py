@@ -1,0 +1,284 @@
+"""A model that was identified under the very cause it should show: identify it anew.
+
+A counter that loses the sign leaves speeds from which a curve and dynamics can be identified, of
+another motor. No extension of that model shows the cause. Where a cause says that it may lie
+beneath runs and model alike, curve and dynamics are fitted again with it in place, and it is named
+if that predicts blocks of the runs that neither fit has seen better than chance allows.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import t, ttest_1samp
+
+from usmbench.diagnose.gain import Gain, gain_of_blocks
+from usmbench.diagnose.naming import SIGNIFICANT
+from usmbench.diagnose.remainder import describe
+from usmbench.diagnose.result import Diagnosis, Estimate, NamedCause, Trace
+from usmbench.diagnose.stretches import Mask, Stretch
+from usmbench.diagnose.through_counter import Estimated, fit_through
+from usmbench.identify.knots import dead_zone_deg
+from usmbench.model.effects.base import Effect
+from usmbench.model.extended import Applied
+from usmbench.model.hammerstein import HammersteinModel, StaticCurve
+
+Array = NDArray[np.float64]
+
+_MOST_ROWS = 4000
+_FOLDS, _BLOCKS = 4, 12
+_SIMPLER = 1.1  # a fit must beat the simpler ones before it by this factor of the mean square
+
+
+@dataclass(frozen=True, slots=True)
+class _Judged:
+    """A fit, those to three quarters of the blocks, and what they leave of the fourth."""
+
+    fit: Estimated
+    folds: tuple[Estimated, ...]
+    unseen_rad_s: tuple[Array, ...]
+
+    @property
+    def mean_square(self) -> float:
+        """Mean square of what is left of rows that were not seen."""
+        return float(np.mean(np.concatenate(self.unseen_rad_s) ** 2))
+
+
+@dataclass(frozen=True, slots=True)
+class Anew:
+    """What identifying anew came to.
+
+    Parameters
+    ----------
+    stretches
+        What was fitted, with the free run of the model as given.
+    model
+        The new model, with the cause among its effects.
+    applied
+        The cause.
+    judged
+        The new fit, and its like to parts of the rows.
+    p_value
+        Probability of predicting as much better where the cause is not there.
+    """
+
+    stretches: tuple[Stretch, ...]
+    model: HammersteinModel
+    applied: Applied
+    judged: _Judged
+    p_value: float
+
+    def told(self, rest: Diagnosis) -> Diagnosis:
+        """Return the diagnosis of the model as given, from that of the new one.
+
+        Parameters
+        ----------
+        rest
+            The diagnosis of the new model on the same runs.
+        """
+        gain = self.gain(rest.noise_floor_rad_s)
+        effect = self.applied.effect
+        cause = NamedCause(
+            effect.name,
+            effect.form,
+            effect.meaning,
+            effect.mend,
+            (),
+            tuple(self._estimates()),
+            self.p_value,
+            gain.gain,
+        )
+        all_said = rest.verdict == "no_discrepancy"
+        return replace(
+            rest,
+            verdict="explained" if all_said else "partly_explained",
+            causes=(cause,),
+            remainder=None if all_said else describe(rest.views),
+            extended=self.model,
+            rmse_simulation_rad_s=gain.rmse_simulation_rad_s,
+            rmse_extended_rad_s=gain.rmse_extended_rad_s,
+            gain=gain.gain,
+            gain_low=gain.low,
+            gain_high=gain.high,
+            traces=tuple(map(self._trace, rest.traces)),
+            warnings=(
+                *rest.warnings,
+                f"the model was identified under {effect.name}; the extended model's curve and "
+                "dynamics were identified anew with it in place",
+            ),
+        )
+
+    def gain(self, noise_rad_s: float) -> Gain:
+        """Score the new model on rows that its fits have not seen.
+
+        Parameters
+        ----------
+        noise_rad_s
+            Root mean square of the noise.
+        """
+        table = np.zeros((5, _BLOCKS))
+        for s, after in zip(self.stretches, self.judged.unseen_rad_s, strict=True):
+            squares = (s.residual_rad_s**2, after**2, np.full(after.size, noise_rad_s**2))
+            ones = np.ones(after.size)
+            table += _sums(s, (*squares, ones, ones))
+        return gain_of_blocks(table)
+
+    def _estimates(self) -> Iterator[Estimate]:
+        """Yield the parameters; their intervals are the jackknife's, over the quarters."""
+        share = float(t.ppf(0.975, _FOLDS - 1) * np.sqrt((_FOLDS - 1.0) / _FOLDS))
+        for p in self.applied.effect.parameters:
+            value = self.applied.values[p.name]
+            others = np.array(
+                [fold.applied.values[p.name] for fold in self.judged.folds if fold.applied]
+            )
+            half = share * float(np.linalg.norm(others - others.mean()))
+            yield Estimate(p.name, value, max(value - half, p.low), value + half, p.unit)
+
+    def _trace(self, trace: Trace) -> Trace:
+        """Show the model as given beside the new one."""
+        for s in self.stretches:
+            if s.name == trace.name and s.context.t_s[0] == trace.t_s[0]:
+                simulated = np.interp(trace.t_s, s.context.t_s, s.simulated_rad_s)
+                return replace(trace, simulated_rad_s=simulated)
+        return trace
+
+
+def identified_anew(
+    stretches: Sequence[Stretch], model: HammersteinModel, effects: Sequence[Effect]
+) -> Anew | None:
+    """Identify a model anew where a cause may lie beneath it.
+
+    Parameters
+    ----------
+    stretches
+        The runs.
+    model
+        The model.
+    effects
+        The library.
+
+    Returns
+    -------
+    Anew or None
+        None where no cause lies beneath, where it does not predict better, or where the model has
+        several operating points or effects of its own.
+    """
+    some = _some(stretches)
+    if len(model.points) > 1 or model.effects:
+        return None
+    contexts, measured = [s.context for s in some], [s.speed_rad_s for s in some]
+    simulated = [s.simulated_rad_s for s in some]
+    beneath = [e for e in effects if e.beneath(contexts, measured, simulated)]
+    if not beneath:
+        return None
+    plain = _judged(some, _fitted(some, model, model.points[0].curve, None))
+    best = plain
+    for fit in (fit for effect in beneath for fit in _fits(some, model, effect)):
+        judged = _judged(some, fit)
+        if _SIMPLER * judged.mean_square < best.mean_square:
+            best = judged
+    p_value = _p_value(some, plain, best)
+    if best.fit.applied is None or p_value > SIGNIFICANT:
+        return None
+    anew = Anew(tuple(some), _extended(model, best.fit), best.fit.applied, best, p_value)
+    return anew if anew.gain(0.0).gain > 0.0 else None
+
+
+def _some(stretches: Sequence[Stretch]) -> list[Stretch]:
+    """Return the first stretches, at least one."""
+    kept = [stretches[0]]
+    for s in stretches[1:]:
+        if sum(k.context.n for k in kept) + s.context.n <= _MOST_ROWS:
+            kept.append(s)
+    return kept
+
+
+def _fits(
+    stretches: Sequence[Stretch], model: HammersteinModel, effect: Effect
+) -> Iterator[Estimated]:
+    """Yield a fit with a straight curve and one with the model's, folded at 0."""
+    curve, top = model.points[0].curve, max(float(np.max(s.speed_rad_s)) for s in stretches)
+    ends_deg = curve.knots_deg[[0, -1]]
+    straight = StaticCurve(ends_deg, top * ends_deg / float(np.max(np.abs(ends_deg))))
+    folded = StaticCurve(curve.knots_deg, np.sign(curve.knots_deg) * np.abs(curve.delta))
+    applied = Applied(effect, {p.name: p.null + p.typical for p in effect.parameters})
+    for shape in (straight, folded):
+        yield _fitted(stretches, model, shape, applied)
+
+
+def _fitted(
+    stretches: Sequence[Stretch],
+    model: HammersteinModel,
+    curve: StaticCurve,
+    applied: Applied | None,
+) -> Estimated:
+    """Fit from a curve; where the counter misled, it may have feigned the dead time."""
+    found = []
+    for dead in {0, model.linear.dead_time_windows}:
+        linear = replace(model.linear, dead_time_windows=dead, slip_limit_rad_s=None)
+        start = Estimated(linear, curve, applied, np.zeros(len(stretches)), ())
+        found.append(fit_through(stretches, _rows(stretches, curve), start))
+    return min(found, key=lambda fit: fit.mean_square)
+
+
+def _rows(stretches: Sequence[Stretch], curve: StaticCurve) -> list[Mask]:
+    """Rows within the range of the curve."""
+    low_deg, high_deg = curve.knots_deg[[0, -1]]
+    phases_deg = [s.context.phase_deg for s in stretches]
+    return [(phase_deg >= low_deg) & (phase_deg <= high_deg) for phase_deg in phases_deg]
+
+
+def _judged(stretches: Sequence[Stretch], fit: Estimated) -> _Judged:
+    """Fit all blocks but every fourth, and see what that leaves of these."""
+    unseen, folds = [left.copy() for left in fit.left_rad_s], []
+    every = _rows(stretches, fit.curve)
+    for k in range(_FOLDS):
+        held = [_blocks(s) % _FOLDS == k for s in stretches]
+        seen = [rows & ~left_out for rows, left_out in zip(every, held, strict=True)]
+        folds.append(fit_through(stretches, seen, fit))
+        for own, left, rows in zip(unseen, folds[-1].left_rad_s, held, strict=True):
+            own[rows] = left[rows]
+    return _Judged(fit, tuple(folds), tuple(unseen))
+
+
+def _p_value(stretches: Sequence[Stretch], plain: _Judged, best: _Judged) -> float:
+    """Probability of as much less on unseen blocks by chance: a t test over their ratios."""
+    table = np.zeros((2, _BLOCKS))
+    for s, before, after in zip(stretches, plain.unseen_rad_s, best.unseen_rad_s, strict=True):
+        table += _sums(s, (before**2, after**2))
+    judged = np.all(table > 0.0, axis=0)
+    less = np.log(table[0, judged] / table[1, judged])
+    return float(ttest_1samp(less, 0.0, alternative="greater").pvalue)
+
+
+def _extended(model: HammersteinModel, fit: Estimated) -> HammersteinModel:
+    """Put a fit in a model's place; what was known of the model's errors is no longer true."""
+    noise_rad_s = float(np.sqrt(fit.mean_square))
+    point = replace(
+        model.points[0],
+        curve=fit.curve,
+        dead_zone_deg=dead_zone_deg(fit.curve),
+        noise_rad_s=noise_rad_s,
+    )
+    return replace(
+        model,
+        linear=fit.linear,
+        points=(point,),
+        residual={"rmse_free_run_rad_s": noise_rad_s},
+        intervals={},
+        unexplained=(),
+        effects=() if fit.applied is None else (fit.applied.to_mapping(),),
+    )
+
+
+def _blocks(stretch: Stretch) -> NDArray[np.int64]:
+    """Return the number of each row's contiguous block."""
+    return np.arange(stretch.context.n) * _BLOCKS // stretch.context.n
+
+
+def _sums(stretch: Stretch, values: Sequence[Array]) -> Array:
+    """Sum values over the rows to judge of each block, shape (len(values), K)."""
+    block = _blocks(stretch)[stretch.use]
+    parts = [np.bincount(block, weights=v[stretch.use], minlength=_BLOCKS) for v in values]
+    return np.array(parts)
