@@ -1,5 +1,6 @@
 """One motor of the naming campaign: identify it, hide a cause, diagnose, keep what came out."""
 
+from collections.abc import Iterator
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
 from io import StringIO
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from benchmarks.campaign_draws import Draw
 from benchmarks.campaign_outcome import Outcome
-from benchmarks.campaign_runs import PLANS, Excited, Measured, Motor
+from benchmarks.campaign_runs import FREQUENCIES_HZ, PLANS, Excited, Measured, Motor
 from hil_sim.defects import Defect
 from usmbench.cli.main import main as usmbench
 from usmbench.diagnose.pipeline import diagnose
@@ -23,9 +24,10 @@ from usmbench.runs.record import Record
 
 Array = NDArray[np.float64]
 
-_REFERENCES: Final = (*PLANS, PLANS[0])
-REFERENCE_S: Final = 30.0
+REFERENCE_S: Final = 40.0
 SMALL_REFERENCE_S: Final = 12.0
+_BESIDE_HZ: Final = (-25.0, 0.0, 25.0)  # near enough for the slope, far enough for the noise
+_LONGER: Final = 1.5
 _FRESH: Final = 5000
 _HEALTHY: Final = 700
 _FAR: Final = 6.0
@@ -45,17 +47,16 @@ class MotorBench:
     motor
         The motor.
     reference_s
-        Duration of each of the four runs it is identified on.
+        Duration of each of the four runs at the drive frequencies; the two at these and their
+        neighbours, which show the slope of the resonance curve, are half as long again.
     """
 
     def __init__(self, runs: Path, folder: Path, motor: Motor, reference_s: float = REFERENCE_S):
         self._runs, self._folder, self._motor = runs, folder, motor
         self.model = folder / "model.yaml"
-        healthy = [
-            Measured(motor, Excited(kind, reference_s, 900 + k), 900 + k)
-            for k, kind in enumerate(_REFERENCES)
+        references = [
+            Measured(motor, excited, excited.seed).folder(runs) for excited in _healthy(reference_s)
         ]
-        references = [run.folder(runs) for run in healthy]
         _command("identify", *references, "--out", self.model)
 
     def _quiet(self, excited: Excited, run_seed: int, defects: tuple[Defect, ...] = ()) -> Array:
@@ -79,6 +80,7 @@ class MotorBench:
             motor.noise_correlation_s,
             motor.wander,
             draw.wire,
+            len(excited.frequencies_hz),
         )
         run = self.measured(excited, draw.number, defects, wire=draw.wire)
         if defects:
@@ -140,6 +142,20 @@ class MotorBench:
         noise = record.speed_rad_s - self._quiet(excited, day, defects)
         rows = inside & _regular(noise)
         return _gain(plain[rows], better[rows], noise[rows])
+
+
+def _healthy(reference_s: float) -> Iterator[Excited]:
+    """Yield what a healthy motor is driven with; every other run takes the frequencies backwards.
+
+    Else the warm-up would pass for the slope of the resonance curve.
+    """
+    near_hz = tuple(f + step_hz for f in FREQUENCIES_HZ for step_hz in _BESIDE_HZ)
+    runs = [
+        *((kind, reference_s, FREQUENCIES_HZ) for kind in (*PLANS, PLANS[0])),
+        *(("multisine", _LONGER * reference_s, near_hz) for _ in range(2)),
+    ]
+    for k, (kind, duration_s, frequencies_hz) in enumerate(runs):
+        yield Excited(kind, duration_s, 900 + k, frequencies_hz[:: -1 if k % 2 else 1])
 
 
 def _error(model: Path, record: Record) -> tuple[Array, NDArray[np.bool_]]:

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from benchmarks.campaign_runs import FREQUENCY_HZ, PLANS, Excited, Motor
+from benchmarks.campaign_runs import FREQUENCIES_HZ, FREQUENCY_HZ, PLANS, Excited, Motor
 from hil_sim.defects import CATALOGUE, Defect, parse_defect
 from usmbench.model.effects.registry import library
 
@@ -29,6 +29,7 @@ TRUTHS: Final[dict[str, Callable[[float], dict[str, float]]]] = {
     "amplifier_delay": lambda ns: {"offset_deg": -360.0 * FREQUENCY_HZ * 1e-9 * ns},
     "command_queue": lambda ms: {"delay_s": 1e-3 * ms},
     "other_code_wheel": lambda lines: {"scale_error": lines / 500.0},
+    "off_crystal": lambda ppm: {"frequency_error_ppm": ppm},
     "missing_phase_bits": lambda bits: {"step_deg": 360.0 / 4096.0 * 2.0**bits},
     "spikes": lambda per_s: {"rate_hz": per_s, "size_rad_s": _COUNT_RAD_S},
 }
@@ -72,6 +73,33 @@ class Hidden:
 
 
 @dataclass(frozen=True, slots=True)
+class Choice:
+    """What a campaign draws from.
+
+    Parameters
+    ----------
+    strengths
+        Sizes, in noise of a window.
+    mechanisms
+        Mechanisms to hide in turn, each alone, "nothing" among them; empty for all groups.
+    two_frequencies
+        Share of the draws that drive two frequencies, one after the other.
+    """
+
+    strengths: tuple[float, ...] = STRENGTHS
+    mechanisms: tuple[str, ...] = ()
+    two_frequencies: float = 0.5
+
+    def hidden(self, turn: int, rng: np.random.Generator) -> Hidden:
+        """Return what is hidden in the campaign's draw of a number."""
+        strength = float(rng.choice(self.strengths))
+        if not self.mechanisms:
+            return hide(GROUPS[turn % len(GROUPS)], turn, strength, rng)
+        name = self.mechanisms[turn % len(self.mechanisms)]
+        return Hidden("nothing") if name == "nothing" else alone(name, strength, rng)
+
+
+@dataclass(frozen=True, slots=True)
 class Draw:
     """One measured run of a campaign."""
 
@@ -98,9 +126,7 @@ def motor_of(seed: int, number: int, wanders: Sequence[float]) -> Motor:
     return Motor(1000 * seed + number, colour_s, wanders[number % len(wanders)])
 
 
-def draws(
-    seed: int, motor: int, n_draws: int, n_wire: int, strengths: Sequence[float]
-) -> Iterator[Draw]:
+def draws(seed: int, motor: int, n_draws: int, n_wire: int, choice: Choice) -> Iterator[Draw]:
     """Yield the draws of one motor; over the motors every mechanism comes equally often.
 
     Parameters
@@ -113,17 +139,18 @@ def draws(
         How many.
     n_wire
         How many of them go over the wire.
-    strengths
-        Sizes to draw from, in noise of a window.
+    choice
+        What to draw from.
     """
-    rng = np.random.default_rng([seed, motor])
+    rng, places = np.random.default_rng([seed, motor]), np.random.default_rng([seed, motor, 8])
     for k in range(n_draws):
-        turn = motor * n_draws + k
-        hidden = hide(GROUPS[turn % len(GROUPS)], turn, float(rng.choice(strengths)), rng)
+        hidden = choice.hidden(motor * n_draws + k, rng)
         plan = int(rng.integers(len(PLANS)))
         # One length a plan and motor: half the healthy runs to compare with.
         duration_s = LENGTHS_S[(motor + plan) % len(LENGTHS_S)]
-        yield Draw(k, hidden, Excited(PLANS[plan], duration_s, 1000 + motor), k < n_wire)
+        two = places.random() < choice.two_frequencies
+        driven_hz = FREQUENCIES_HZ if two else (FREQUENCY_HZ,)
+        yield Draw(k, hidden, Excited(PLANS[plan], duration_s, 1000 + motor, driven_hz), k < n_wire)
 
 
 def hide(group: str, turn: int, strength: float, rng: np.random.Generator) -> Hidden:
@@ -143,14 +170,33 @@ def hide(group: str, turn: int, strength: float, rng: np.random.Generator) -> Hi
     if group == "nothing":
         return Hidden(group)
     if group == "two":
-        strength = max(strength, 1.0)
         first = str(rng.choice(_PAIRED))
         others = [m for m in _PAIRED if CATALOGUE[m].cause != CATALOGUE[first].cause]
-        names = [first, str(rng.choice(others))]
-    else:
-        mechanisms = _KNOWN if group == "single" else _NAMELESS
-        names = [mechanisms[_turn_in_group(group, turn) % len(mechanisms)]]
-    made = [CATALOGUE[name].of_strength(strength, rng) for name in names]
+        return _made(group, (first, str(rng.choice(others))), max(strength, 1.0), rng)
+    mechanisms = _KNOWN if group == "single" else _NAMELESS
+    return alone(mechanisms[_turn_in_group(group, turn) % len(mechanisms)], strength, rng)
+
+
+def alone(mechanism: str, strength: float, rng: np.random.Generator) -> Hidden:
+    """Hide one mechanism.
+
+    Parameters
+    ----------
+    mechanism
+        Its name.
+    strength
+        Size, in noise of a window.
+    rng
+        Where the rest comes from.
+    """
+    return _made("single" if CATALOGUE[mechanism].cause else "outside", (mechanism,), strength, rng)
+
+
+def _made(
+    group: str, mechanisms: Sequence[str], strength: float, rng: np.random.Generator
+) -> Hidden:
+    """Draw the mechanisms' sizes; a cause that is not installed is one outside the library."""
+    made = [CATALOGUE[name].of_strength(strength, rng) for name in mechanisms]
     causes = tuple(d.cause for d in made if d.cause)
     if not {effect.name for effect in library()} >= set(causes):
         group, causes = "outside", ()

@@ -17,7 +17,7 @@ class Outcome:
         Which draw.
     hidden
         What was hidden.
-    plan, duration_s, correlation_s, wander, wire
+    plan, duration_s, correlation_s, wander, wire, n_frequencies
         Under which conditions.
     strength
         Root mean square of what was hidden, in the speed, over the noise of a window.
@@ -43,6 +43,7 @@ class Outcome:
     correlation_s: float
     wander: float
     wire: bool
+    n_frequencies: int = 1
     strength: float = 0.0
     verdict: str = ""
     named: list[str] = field(default_factory=list)

@@ -24,10 +24,12 @@ from usmbench.settings.yaml_source import parse_source
 
 PLANS = ("staircase", "telegraph", "multisine")
 FREQUENCY_HZ = 41_000.0
+FREQUENCIES_HZ = (40_050.0, FREQUENCY_HZ)  # either side of the resonance
 # Lost counts are among what is looked for: they must not end the run.
 _BENCH = BenchSettings(name="campaign")
 _SETTINGS = replace(_BENCH, interlocks=replace(_BENCH.interlocks, index_error_max_counts=None))
 _STAIRS = 25
+_SHORTEST_DWELL = 16  # windows: what a plan of settled pairs asks for
 # A campaign runs for an hour beside whatever else this machine does.
 _WIRE_SILENCE_S = 120.0
 
@@ -83,17 +85,20 @@ class Excited:
     @property
     def name(self) -> str:
         """What tells it from others."""
-        others = self.frequencies_hz != (FREQUENCY_HZ,)
-        where = "-" + "+".join(f"{f:g}" for f in self.frequencies_hz) + "Hz" if others else ""
-        return f"{self.kind}-{self.duration_s:g}s-{self.seed}{where}"
+        name = f"{self.kind}-{self.duration_s:g}s-{self.seed}"
+        if self.frequencies_hz == (FREQUENCY_HZ,):
+            return name
+        return f"{name}-{'+'.join(f'{f:g}' for f in self.frequencies_hz)}Hz"
 
     def _body(self) -> str:
         duration_s = self.duration_s / len(self.frequencies_hz)
         if self.kind == "staircase":
             # Up and down; the phases move by less than a step from seed to seed.
             offset_deg = float(np.random.default_rng(self.seed).uniform(-1.5, 1.5))
-            phases = np.round(np.linspace(-88.0, 88.0, _STAIRS) + offset_deg, 3)
-            windows = round(100.0 * duration_s / (2 * _STAIRS))
+            each_way = 100.0 * duration_s / 2.0
+            stairs = min(_STAIRS, int(each_way / _SHORTEST_DWELL))
+            phases = np.round(np.linspace(-88.0, 88.0, stairs) + offset_deg, 3)
+            windows = round(each_way / stairs)
             return (
                 f"passes:\n  - phase_deg: {phases.tolist()}\n    direction: both\n"
                 f"dwell: {{windows: {windows}, extend_to_windows: {windows}}}\n"

@@ -55,6 +55,7 @@ def report(rows: list[Row]) -> None:
     _table("wander", strong, lambda row: f"{100 * row['wander']:.1f} %")
     _table("length", strong, lambda row: f"{row['duration_s']:.0f} s")
     _table("plan", strong, lambda row: str(row["plan"]))
+    _table("drive frequencies", strong, lambda row: str(row["n_frequencies"]))
     _table("path", strong, lambda row: "pty and gRPC" if row["wire"] else "in process")
     _table("nothing hidden, wander", _of(rows, "nothing"), lambda r: f"{100 * r['wander']:.1f} %")
     _table("outside the library", _of(rows, "outside"), _mechanism)
@@ -79,7 +80,7 @@ def wrong_ones(rows: list[Row]) -> None:
             said += f" (or {', '.join(row['alternatives'])})"
         print(
             f"{hidden['group']:8} {'+'.join(hidden['defects']) or '-':40} {row['strength']:6.2f}x "
-            f"-> {said}; {row['plan']} {row['duration_s']:.0f} s, "
+            f"-> {said}; {row['plan']} {row['duration_s']:.0f} s at {row['n_frequencies']}, "
             f"{1e3 * row['correlation_s']:.0f} ms, {100 * row['wander']:.1f} %, "
             f"motor {row['motor']} draw {row['number']} {row['error']}"
         )
@@ -122,6 +123,9 @@ def _goals(rows: list[Row]) -> None:
     for wander in sorted({row["wander"] for row in nothing}):
         some = [row for row in nothing if row["wander"] == wander]
         _goal(f"false alarms, wander {100 * wander:.1f} %", some, _alarm, "<= 5 %")
+    for n in sorted({row["n_frequencies"] for row in nothing}):
+        some = [row for row in nothing if row["n_frequencies"] == n]
+        _goal(f"false alarms, drive frequencies: {n}", some, _alarm, "<= 5 %")
     _goal("outside the library kept unnamed, size 1 and more", outside, _unnamed, ">= 90 %")
     _goal("both of two named", both, lambda r: r["judgement"] == "right", ">= 85 %")
     _goal("both of two named or alternatives", both, _in_set, "")

@@ -15,13 +15,14 @@ import tempfile
 import time
 import traceback
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
 from benchmarks.campaign_bench import REFERENCE_S, SMALL_REFERENCE_S, MotorBench
-from benchmarks.campaign_draws import STRENGTHS, WANDERS, draws, motor_of
+from benchmarks.campaign_draws import STRENGTHS, WANDERS, Choice, draws, motor_of
 from benchmarks.campaign_tables import Row, report, wrong_ones
+from hil_sim.defects import CATALOGUE
 from usmbench.errors import UsmbenchError
 
 
@@ -37,8 +38,8 @@ class Campaign:
         Draws of a motor, and how many of them go over the wire.
     wanders
         Run-to-run wanders that the motors take in turn.
-    strengths
-        Sizes to draw from, in noise of a window.
+    choice
+        What is drawn from.
     runs
         Folder of the runs; None keeps none.
     reference_s
@@ -49,7 +50,7 @@ class Campaign:
     n_draws: int
     n_wire: int
     wanders: tuple[float, ...] = WANDERS
-    strengths: tuple[float, ...] = STRENGTHS
+    choice: Choice = field(default_factory=Choice)
     runs: Path | None = None
     reference_s: float = REFERENCE_S
 
@@ -62,7 +63,7 @@ def work(campaign: Campaign, number: int) -> Iterator[str]:
         runs.mkdir(exist_ok=True)
         bench = MotorBench(runs, Path(folder), motor, campaign.reference_s)
         for draw in draws(
-            campaign.seed, number, campaign.n_draws, campaign.n_wire, campaign.strengths
+            campaign.seed, number, campaign.n_draws, campaign.n_wire, campaign.choice
         ):
             yield bench.diagnosed(draw).line()
 
@@ -107,6 +108,17 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--through-wire", type=int, default=2, help="draws a motor over pty, gRPC")
     parser.add_argument("--wanders", type=float, nargs="+", default=list(WANDERS))
     parser.add_argument("--strengths", type=float, nargs="+", default=list(STRENGTHS))
+    parser.add_argument(
+        "--mechanisms",
+        nargs="+",
+        choices=["nothing", *CATALOGUE],
+        default=[],
+        metavar="MECHANISM",
+        help="hide only these, each alone, in turn; nothing is one of them",
+    )
+    parser.add_argument(
+        "--two-frequencies", type=float, default=0.5, help="share of draws that drive both"
+    )
     parser.add_argument("--minutes", type=float, default=120.0, help="end after that")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--runs", type=Path, help="folder that keeps the runs")
@@ -136,7 +148,7 @@ def _driven(arguments: argparse.Namespace) -> list[Row]:
         n_draws,
         arguments.through_wire,
         tuple(arguments.wanders),
-        tuple(arguments.strengths),
+        Choice(tuple(arguments.strengths), tuple(arguments.mechanisms), arguments.two_frequencies),
         arguments.runs,
         SMALL_REFERENCE_S if arguments.small else REFERENCE_S,
     )

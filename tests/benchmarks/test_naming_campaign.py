@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 from benchmarks.campaign_bench import MotorBench
-from benchmarks.campaign_draws import GROUPS, STRENGTHS, Draw, Hidden, draws, hide, motor_of
+from benchmarks.campaign_draws import GROUPS, Choice, Draw, Hidden, draws, hide, motor_of
 from benchmarks.campaign_outcome import Outcome
 from benchmarks.campaign_runs import Excited, Measured, Motor
 from benchmarks.campaign_tables import report, share, wrong_ones
 from hil_sim.defects import CATALOGUE
 from usmbench.runs.reader import read_run
+from usmbench.sweep.schedule import schedule
 
 SHORT = Excited("staircase", 10.0, 5)
 
@@ -45,13 +46,30 @@ def test_the_wire_gives_the_rows_of_the_process(tmp_path: Path) -> None:
 
 
 def test_draws_repeat_and_go_through_every_mechanism() -> None:
-    first = [d for motor in range(10) for d in draws(3, motor, len(GROUPS), 1, STRENGTHS)]
-    again = [d for motor in range(10) for d in draws(3, motor, len(GROUPS), 1, STRENGTHS)]
+    first = [d for motor in range(10) for d in draws(3, motor, len(GROUPS), 1, Choice())]
+    again = [d for motor in range(10) for d in draws(3, motor, len(GROUPS), 1, Choice())]
     assert first == again
     drawn = {d.mechanism for draw in first for d in draw.hidden.made}
     assert drawn == set(CATALOGUE)
     assert sum(draw.wire for draw in first) == 10
     assert {draw.hidden.group for draw in first} == {"single", "outside", "two", "nothing"}
+    two = [len(draw.excited.frequencies_hz) == 2 for draw in first]
+    assert 0.3 < np.mean(two) < 0.7
+
+
+def test_only_what_is_asked_for_is_hidden() -> None:
+    choice = Choice((3.0,), ("weak_generator", "nothing"), two_frequencies=1.0)
+    drawn = list(draws(3, 1, 4, 0, choice))
+    assert [draw.hidden.causes for draw in drawn] == [("generator_imbalance",), ()] * 2
+    assert {len(draw.excited.frequencies_hz) for draw in drawn} == {2}
+
+
+def test_a_run_at_two_frequencies_takes_no_longer_and_has_a_name_of_its_own() -> None:
+    for kind in ("staircase", "telegraph"):
+        one, two = (Excited(kind, 12.0, 1, f) for f in ((41_000.0,), (40_050.0, 41_000.0)))
+        seconds = [sum(dwell.windows for dwell in schedule(e.plan(), 0.01)) for e in (one, two)]
+        assert seconds[1] == pytest.approx(seconds[0], rel=0.05)
+        assert one.name != two.name
 
 
 def test_motors_wander_in_turn() -> None:
@@ -105,6 +123,7 @@ def test_the_tables_count(capsys: pytest.CaptureFixture[str]) -> None:
         "correlation_s": 0.01,
         "wander": 0.003,
         "wire": True,
+        "n_frequencies": 1,
         "strength": 1.5,
         "verdict": "explained",
         "named": ["a"],
