@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from usmbench.diagnose.stretches import Mask, Stretch
-from usmbench.identify.design import phase_basis
+from usmbench.identify.design import stacked_basis
 from usmbench.identify.dynamics import FreeFamily
 from usmbench.identify.selection import prior_rows
 from usmbench.model.extended import Applied, counted
@@ -90,7 +90,7 @@ class _Course:
         self.parameters = () if start.applied is None else start.applied.effect.parameters
         self._family = FreeFamily(linear.a.size, linear.b.size - 1, linear.dead_time_windows)
         held_deg = [np.clip(s.context.phase_deg, knots_deg[0], knots_deg[-1]) for s in stretches]
-        self._bases = [phase_basis(phase_deg, knots_deg) for phase_deg in held_deg]
+        self._bases = stacked_basis(held_deg, knots_deg)
         n_rows = sum(int(np.count_nonzero(mask)) for mask in masks)
         self._pull = prior_rows(knots_deg, _STIFFNESS, None, n_rows)
         self._far = _FAR * max(float(np.max(np.abs(s.speed_rad_s))) for s in stretches)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Point = tuple[float | None, float | None]
 
-_THIN_BLOCKS, _THIN_ROWS = 20, 500
+_THIN_BLOCKS, _THIN_ROWS = 20, 1500
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,20 +120,22 @@ class Dataset:
         """Number of samples."""
         return sum(segment.n for segment in self.segments)
 
-    def thinned(self, most_rows: int) -> "Dataset":
+    def thinned(self, most_rows: int, block_rows: int = _THIN_ROWS) -> "Dataset":
         """Return unbroken parts of the segments, spread over all of them.
 
         Parameters
         ----------
         most_rows
             About how many rows to keep; with fewer in all, all are kept.
+        block_rows
+            Rows of an unbroken part at least.
         """
         if self.n <= most_rows:
             return self
         parts = []
         for segment in self.segments:
-            blocks = max(1, min(_THIN_BLOCKS, segment.n * most_rows // (self.n * _THIN_ROWS)))
-            length = max(_THIN_ROWS, segment.n * most_rows // (self.n * blocks))
+            blocks = max(1, min(_THIN_BLOCKS, segment.n * most_rows // (self.n * block_rows)))
+            length = max(block_rows, segment.n * most_rows // (self.n * blocks))
             for k in range(blocks):
                 first = k * segment.n // blocks
                 parts.append(segment.part(first, min(first + length, segment.n)))

@@ -51,9 +51,15 @@ def build_design(data: Dataset, knots_deg: Sequence[Array]) -> tuple[Stretch, ..
     InputError
         A phase outside the knots, or knots that do not rise.
     """
+    bases: list[Array] = [np.empty(0)] * len(data.segments)
+    for point, knots in enumerate(knots_deg):
+        mine = [k for k, s in enumerate(data.segments) if s.point == point]
+        phases = [data.segments[k].phase_deg for k in mine]
+        for k, basis in zip(mine, stacked_basis(phases, knots), strict=True):
+            bases[k] = basis
     return tuple(
-        Stretch(s.phase_deg, phase_basis(s.phase_deg, knots_deg[s.point]), s.speed_rad_s, s.point)
-        for s in data.segments
+        Stretch(s.phase_deg, basis, s.speed_rad_s, s.point)
+        for s, basis in zip(data.segments, bases, strict=True)
     )
 
 
@@ -88,22 +94,25 @@ def check_rows(data: Dataset, degree: int, na: int, nb: int, *, point: int) -> N
         )
 
 
-def phase_basis(phase_deg: Array, knots_deg: Array) -> Array:
-    """Return the Bernstein basis at given phases.
+def stacked_basis(phases_deg: Sequence[Array], knots_deg: Array) -> list[Array]:
+    """Return the Bernstein basis at given phases of several stretches.
 
     Parameters
     ----------
-    phase_deg
-        Phases within the knots, shape (n,).
+    phases_deg
+        Phases within the knots, shape (n_k,) each.
     knots_deg
         Knots, shape (d + 1,).
 
     Returns
     -------
-    Array
-        Shape (n, d + 1). Where dwells repeat a phase it is evaluated once.
+    list of Array
+        Shape (n_k, d + 1). Where dwells repeat a phase it is evaluated once.
     """
-    first = np.r_[True, phase_deg[1:] != phase_deg[:-1]]
+    phase_deg = np.concatenate(phases_deg)
+    first = np.concatenate(([True], phase_deg[1:] != phase_deg[:-1]))
     distinct_deg = phase_deg[first]
     basis = bernstein_basis(bezier_abscissa(distinct_deg, knots_deg), knots_deg.size - 1)
-    return basis if distinct_deg.size == phase_deg.size else basis[np.cumsum(first) - 1]
+    if distinct_deg.size < phase_deg.size:
+        basis = basis[np.cumsum(first) - 1]
+    return np.split(basis, np.cumsum([p.size for p in phases_deg])[:-1])

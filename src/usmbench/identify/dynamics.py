@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.model.hammerstein import LinearPart
-from usmbench.model.linear import from_rest
+from usmbench.model.linear import from_rest, poles
 
 Array = NDArray[np.float64]
 
@@ -41,13 +41,14 @@ class Dynamics:
     @property
     def numerator(self) -> Array:
         """Return b, shape (n_b + 1,)."""
-        unit: Array = np.r_[1.0 - self.beta.sum(), self.beta]
-        return (1.0 + float(self.a.sum())) * unit
+        unit = np.concatenate(([1.0 - self.beta.sum()], self.beta))
+        numerator: Array = (1.0 + float(self.a.sum())) * unit
+        return numerator
 
     @property
     def stable(self) -> bool:
         """Whether every pole lies inside the unit circle."""
-        return bool(np.max(np.abs(np.roots(np.r_[1.0, self.a])), initial=0.0) < _STABLE)
+        return bool(np.max(np.abs(poles(self.a)), initial=0.0) < _STABLE)
 
     def linear_part(self, window_s: float | None) -> LinearPart:
         """Return the difference equation.
@@ -203,7 +204,7 @@ class LagFamily:
         dynamics
             With n_a = 1.
         """
-        pole = min(max(-float(dynamics.a[0]), 1e-3), 0.999)
+        pole = min(max(-float(dynamics.a[0]), 0.02), 0.999)
         return np.array([math.log(-1.0 / math.log(pole)), dynamics.dead_time_windows + 0.25])
 
     def moved(self, parameters: Array, step: Array) -> Array:
@@ -235,5 +236,8 @@ class LagFamily:
             [self._at(math.exp(u), whole, f + side * h) for side in (1, -1)],
         ]
         return np.column_stack(
-            [np.r_[up.a - down.a, up.beta - down.beta] / (2.0 * h) for up, down in columns]
+            [
+                np.concatenate((up.a - down.a, up.beta - down.beta)) / (2.0 * h)
+                for up, down in columns
+            ]
         )

@@ -7,7 +7,7 @@ from usmbench.model.hammerstein import StaticCurve
 
 Array = NDArray[np.float64]
 
-_GRID = 4001
+_GRID = 2001
 _SLOW, _FAST = 0.03, 0.12  # of the highest speed: where the tangents are taken
 
 
@@ -68,42 +68,60 @@ def dead_zone_deg(curve: StaticCurve) -> tuple[float | None, float | None]:
         or ends before it has left standstill on that side.
     """
     grid_deg = np.linspace(curve.knots_deg[0], curve.knots_deg[-1], _GRID)
-    return standing_edges_deg(grid_deg, curve.speed_rad_s(grid_deg))
+    edges = standing_edges_deg(grid_deg, curve.speed_rad_s(grid_deg)[None])[0]
+    low, high = (None if np.isnan(edge) else edge for edge in edges.tolist())
+    return low, high
 
 
-def standing_edges_deg(grid_deg: Array, speed_rad_s: Array) -> tuple[float | None, float | None]:
-    """Return the edges of the dead zone of a curve given on a grid, as `dead_zone_deg` does.
+def standing_edges_deg(grid_deg: Array, speeds_rad_s: Array) -> Array:
+    """Return the edges of the dead zones of curves given on a grid, as `dead_zone_deg` does.
 
     Parameters
     ----------
     grid_deg
         Rising phases, shape (N,).
-    speed_rad_s
-        Settled speeds there, shape (N,).
+    speeds_rad_s
+        Settled speeds of each curve there, shape (K, N).
+
+    Returns
+    -------
+    Array
+        Lower and upper edge, shape (K, 2); NaN where there is none.
     """
-    size = np.abs(speed_rad_s)
-    slow, fast = _SLOW * size.max(), _FAST * size.max()
-    standing = np.flatnonzero(size <= slow)
-    if standing.size == 0:
-        return None, None
-    centre = int(standing[np.argmin(np.abs(grid_deg[standing]))])
-    low = _tangent_foot_deg(size[centre::-1], grid_deg[centre::-1], slow, fast)
-    high = _tangent_foot_deg(size[centre:], grid_deg[centre:], slow, fast)
-    if low is not None and high is not None and low > high:
-        low = high = 0.5 * (low + high)
-    return low, high
+    size = np.abs(speeds_rad_s)
+    top = size.max(axis=1, keepdims=True)
+    away_deg = np.where(size <= _SLOW * top, np.abs(grid_deg), np.inf)
+    centre = np.argmin(away_deg, axis=1)
+    edges = np.column_stack(
+        [
+            _tangent_feet_deg(size[:, ::-1], grid_deg[::-1], grid_deg.size - 1 - centre),
+            _tangent_feet_deg(size, grid_deg, centre),
+        ]
+    )
+    edges[np.isinf(away_deg.min(axis=1))] = np.nan
+    crossed = edges[:, 0] > edges[:, 1]
+    edges[crossed] = edges[crossed].mean(axis=1, keepdims=True)
+    return edges
 
 
-def _tangent_foot_deg(size: Array, phase_deg: Array, slow: float, fast: float) -> float | None:
-    """Phase at which the chord between two speeds, continued, meets zero."""
-    if size.max() <= fast:
-        return None
-    slow_deg, fast_deg = (_first_crossing_deg(size, phase_deg, level) for level in (slow, fast))
-    return float(slow_deg - slow * (fast_deg - slow_deg) / (fast - slow))
+def _tangent_feet_deg(size: Array, phase_deg: Array, centre: NDArray[np.intp]) -> Array:
+    """Phases beyond the centres at which the chord between two speeds, continued, meets zero."""
+    top, beyond = size.max(axis=1), np.arange(phase_deg.size) > centre[:, None]
+    slow_deg, fast_deg = (
+        _first_crossings_deg(size, phase_deg, level * top, beyond) for level in (_SLOW, _FAST)
+    )
+    return slow_deg - _SLOW * (fast_deg - slow_deg) / (_FAST - _SLOW)
 
 
-def _first_crossing_deg(size: Array, phase_deg: Array, level: float) -> float:
-    """Phase at which a speed is first reached, between the grid's points."""
-    after = max(int(np.argmax(size > level)), 1)
-    share = (level - size[after - 1]) / (size[after] - size[after - 1])
-    return float(phase_deg[after - 1] + share * (phase_deg[after] - phase_deg[after - 1]))
+def _first_crossings_deg(
+    size: Array, phase_deg: Array, level: Array, beyond: NDArray[np.bool_]
+) -> Array:
+    """Phases at which a speed is first reached, between the grid's points; NaN where never."""
+    reached = beyond & (size > level[:, None])
+    after = np.maximum(np.argmax(reached, axis=1), 1)
+    curves = np.arange(after.size)
+    slower, faster = size[curves, after - 1], size[curves, after]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = (level - slower) / (faster - slower)
+    crossing_deg = phase_deg[after - 1] + share * (phase_deg[after] - phase_deg[after - 1])
+    return np.where(reached.any(axis=1), crossing_deg, np.nan)

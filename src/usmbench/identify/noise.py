@@ -57,6 +57,8 @@ def whitened(coefficients: Array, rows: Array) -> Array:
     rows
         Residuals or regressors, shape (n,) or (n, m); the first p rows stay coloured in part.
     """
+    if coefficients.size == 0:
+        return rows
     result: Array = lfilter(np.r_[1.0, -coefficients], [1.0], rows, axis=0)
     return result
 

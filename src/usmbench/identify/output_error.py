@@ -6,75 +6,54 @@ doi:10.1137/0710036, with Kaufman's Jacobian). The gain is 1 by construction: th
 ``(1 + Σa) β`` with ``Σβ = 1``.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.identify.design import Stretch
-from usmbench.identify.dynamics import Family
-from usmbench.identify.projected import Projected, RowWeights
+from usmbench.identify.projected import Projected
 
 Array = NDArray[np.float64]
 
 _MAX_STEPS = 50
-_TOLERANCE = 1e-6
+_MOST_DAMPING = 1e6
 
 
-def fit_output_error(
-    stretches: Sequence[Stretch],
-    family: Family,
-    start: Array,
-    weights: Sequence[RowWeights],
-    penalties: Sequence[Array],
-) -> Projected:
+def fit_output_error(start: Projected, tolerance: float) -> Projected:
     """Fit dynamics and curves to the free run.
 
     Parameters
     ----------
-    stretches
-        Regressors of each segment.
-    family
-        Where to search.
     start
-        Parameters to start from; stable.
-    weights
-        How much each segment's rows count.
-    penalties
-        Rows that pull each operating point's δ towards 0, shape (m, d + 1); see
-        `usmbench.identify.selection.prior_rows`.
+        The problem at stable dynamics to start from.
+    tolerance
+        Share of the sum of squares; a step that promises to gain less is not made.
 
     Returns
     -------
     Projected
         The problem at a minimum of the weighted sum of squares, or where no step lowers it.
     """
-    here = Projected(stretches, family, start, weights, penalties)
-    damping = 1e-6
+    here, family, damping = start, start.family, 1e-6
+    jacobian, residual = here.reduced()
     for _ in range(_MAX_STEPS):
-        jacobian, residual = here.reduced()
-        if jacobian.shape[1] == 0:
-            break
-        scale = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
-        step = _damped_step(jacobian / scale, residual, damping) / scale
+        step = _damped_step(jacobian, residual, damping)
         moved = family.moved(here.fit.parameters, step)
-        stable = family.dynamics(moved).stable
-        there = Projected(stretches, family, moved, weights, penalties) if stable else None
+        left = residual - jacobian @ step
+        promised = float(residual @ residual - left @ left)
+        if promised <= tolerance * here.fit.sse or damping > _MOST_DAMPING:
+            break
+        there = here.at(moved) if family.dynamics(moved).stable else None
         if there is None or not there.fit.sse < here.fit.sse:
             damping *= 10.0
-            if damping > 1e6:
-                break
             continue
-        gained = here.fit.sse - there.fit.sse
         here, damping = there, max(damping / 10.0, 1e-12)
-        if gained <= _TOLERANCE * here.fit.sse:
-            break
+        jacobian, residual = here.reduced()
     return here
 
 
 def _damped_step(jacobian: Array, residual: Array, damping: float) -> Array:
     """Solve the damped least-squares problem by an orthogonal factorisation."""
-    size = jacobian.shape[1]
-    stacked = np.vstack([jacobian, np.sqrt(damping) * np.eye(size)])
-    step: Array = np.linalg.lstsq(stacked, np.r_[residual, np.zeros(size)], rcond=None)[0]
+    scale = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
+    stacked = np.vstack([jacobian / scale, np.sqrt(damping) * np.eye(scale.size)])
+    target = np.concatenate((residual, np.zeros(scale.size)))
+    step: Array = np.linalg.lstsq(stacked, target, rcond=None)[0] / scale
     return step

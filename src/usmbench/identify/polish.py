@@ -7,7 +7,7 @@ are those of the plain basis with one filtered residual. A pass costs a few filt
 the degree, and two passes are usually enough.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +16,8 @@ from scipy.linalg import solve_triangular
 
 from usmbench.identify.data import Dataset
 from usmbench.identify.dynamics import Dynamics, Family
-from usmbench.identify.pieces import Piece, pieces, regressors
+from usmbench.identify.linearised import Linearisation
+from usmbench.identify.pieces import PIECE_ROWS, Piece, Regressors, pieces, regressors
 from usmbench.identify.robust import RobustFit, bisquare_root, changing_rows
 from usmbench.identify.sensitivities import output_sensitivities
 from usmbench.identify.triangle import full_rank, triangle
@@ -27,6 +28,7 @@ Array = NDArray[np.float64]
 _MAX_PASSES = 8
 _CLOSE = 0.1  # squared distance to the minimum, in standard deviations, over all estimates
 _FIRST_SHARE = 0.01  # of a squared distance that the first step may leave
+_SHRINKING = 0.25  # of the squared distance before
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,9 +55,10 @@ def polished(
     knots_deg: Sequence[Array],
     family: Family,
     search: RobustFit,
+    linearised: Linearisation,
     priors: Sequence[Array],
 ) -> Polished:
-    """Go on to the minimum over all rows, where the search left some out.
+    """Go on to the minimum over all rows, with the scales that the search came to.
 
     Parameters
     ----------
@@ -66,26 +69,32 @@ def polished(
     family
         Of the dynamics.
     search
-        The fit to a part of the samples.
+        The fit to these samples or a part of them.
+    linearised
+        The search's rows near its estimate.
     priors
         Rows of prior knowledge of each operating point's curve, at their share of that part.
 
     Returns
     -------
     Polished
-        Estimates that all together are within a third of a standard deviation of the minimum;
-        where the steps do not shrink, those of the last that did.
+        Estimates that all together are within a third of a standard deviation of the minimum, or
+        those of the last step that was shorter than the one before.
     """
     fit = search.problem.fit
     here = Polished(fit.parameters, fit.dynamics, fit.delta)
-    if search.n == data.n:
-        return here
-    curvature = _Curvature(search, priors, data.n)
+    curvature = _Curvature(linearised, priors, data.n)
+    few = data.n <= PIECE_ROWS  # every segment is one piece, whatever the dynamics
+    kept = list(_pieces(data, knots_deg, here.dynamics)) if few else None
     last = np.inf
     for _ in range(_MAX_PASSES):
-        there, distance = _step(data, knots_deg, family, search, curvature, here)
-        if distance >= last or not there.dynamics.stable:
-            break
+        rows = kept or _pieces(data, knots_deg, here.dynamics)
+        there, distance = _step(rows, family, search, curvature, here)
+        if distance > _SHRINKING * last or not there.dynamics.stable:
+            # The curvature is that of another place: take it here.
+            nearby = search.problem.at(here.parameters).linearised()
+            curvature, last = _Curvature(nearby, priors, data.n), np.inf
+            continue
         here = there
         # The next step will be shorter by the same share.
         share = _FIRST_SHARE if last == np.inf else distance / last
@@ -95,24 +104,30 @@ def polished(
     return here
 
 
+def _pieces(
+    data: Dataset, knots_deg: Sequence[Array], dynamics: Dynamics
+) -> Iterator[tuple[int, Piece, Regressors]]:
+    """Operating point, rows and basis of every piece."""
+    for point, knots in enumerate(knots_deg):
+        for piece in pieces(data, dynamics.linear_part(None), point):
+            yield point, piece, regressors(piece.phase_deg, knots)
+
+
 def _step(
-    data: Dataset,
-    knots_deg: Sequence[Array],
+    rows: Iterable[tuple[int, Piece, Regressors]],
     family: Family,
     search: RobustFit,
     curvature: "_Curvature",
     here: Polished,
 ) -> tuple[Polished, float]:
     """One Newton step, and its squared length in standard deviations of the estimates."""
-    moments, slope = [], np.zeros(here.parameters.size)
-    jacobian = family.jacobian(here.parameters)
-    for point, (knots, delta) in enumerate(zip(knots_deg, here.delta, strict=True)):
-        moment = -curvature.prior_moment(point, delta)
-        for piece in pieces(data, here.dynamics.linear_part(None), point):
-            of_curve, of_dynamics = _gradient(piece, knots, delta, here.dynamics, search)
-            moment += of_curve
-            slope += of_dynamics @ jacobian
-        moments.append(moment)
+    moments = [-curvature.prior_moment(point, delta) for point, delta in enumerate(here.delta)]
+    slope = np.zeros(here.dynamics.a.size + here.dynamics.beta.size)
+    for point, piece, basis in rows:
+        of_curve, of_dynamics = _gradient(piece, basis, here.delta[point], here.dynamics, search)
+        moments[point] += of_curve
+        slope += of_dynamics
+    slope = slope @ family.jacobian(here.parameters)
     moved, deltas = curvature.solve(moments, slope)
     length = float(slope @ moved) + sum(float(m @ d) for m, d in zip(moments, deltas, strict=True))
     parameters = family.moved(here.parameters, moved)
@@ -125,10 +140,9 @@ def _step(
 
 
 def _gradient(
-    piece: Piece, knots_deg: Array, delta: Array, dynamics: Dynamics, search: RobustFit
+    piece: Piece, basis: Regressors, delta: Array, dynamics: Dynamics, search: RobustFit
 ) -> tuple[Array, Array]:
     """Inner products of a piece's weighted residual with the regressors of curve and dynamics."""
-    basis = regressors(piece.phase_deg, knots_deg)
     settled_rad_s = basis.times(delta)
     linear = dynamics.linear_part(None)
     start_rad_s = piece.start_rad_s(linear, settled_rad_s)
@@ -151,17 +165,13 @@ class _Curvature:
     Triangular factors, one an operating point: the curve first, the shared dynamics after it.
     """
 
-    def __init__(self, search: RobustFit, priors: Sequence[Array], n: int) -> None:
-        problem = search.problem
-        linearised = problem.linearised()
-        self._growth = n / search.n
-        slope = sum(float(p.slope.sum()) for p in linearised) / search.n
+    def __init__(self, linearised: Linearisation, priors: Sequence[Array], n: int) -> None:
+        self._growth = n / linearised.n
         self._priors, self._factors = priors, []
-        for point, prior in enumerate(priors):
-            mine = [p.regressors for p in linearised if p.point == point]
-            rows = np.sqrt(slope) * np.vstack(mine)
+        for prior, factor in zip(priors, linearised.factors, strict=True):
+            rows = np.sqrt(linearised.slope) * factor
             still = np.zeros((prior.shape[0], rows.shape[1] - prior.shape[1]))
-            self._factors.append(full_rank(np.vstack([rows, np.hstack([prior, still])])))
+            self._factors.append(full_rank(rows, np.hstack([prior, still])))
 
     def prior_moment(self, point: int, delta: Array) -> Array:
         """Gradient of what is known of a curve without data."""
@@ -180,7 +190,7 @@ class _Curvature:
         n_shared = slope.size
         moved = np.zeros(n_shared)
         if n_shared:
-            corner = triangle(np.vstack([f[-n_shared:, -n_shared:] for f in self._factors]))
+            corner = triangle(*(f[-n_shared:, -n_shared:] for f in self._factors))
             moved = solve_triangular(corner, solve_triangular(corner, left, trans="T"))
         deltas = []
         for factor, half in zip(self._factors, halves, strict=True):

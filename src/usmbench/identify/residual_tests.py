@@ -12,17 +12,18 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
 from scipy.special import chdtrc, fdtrc
 
+from usmbench.identify.linearised import Linearisation
 from usmbench.identify.noise import whitened
-from usmbench.identify.projected import Linearised
-from usmbench.model.linear import delayed
+from usmbench.identify.triangle import full_rank
 
 Array = NDArray[np.float64]
 
 SERIAL_LAGS = 25
 INPUT_LAGS = 10
-_RANK = 1e-9
+_RANK = 1e-9  # of a column's power: less is within the regressors
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,57 +48,103 @@ class ResidualTest:
     p_value: float
 
 
-def serial_test(residual: Array, regressors: Array, lags: int = SERIAL_LAGS) -> ResidualTest:
-    """Test for correlation with the residual's own past, all lags together.
+class FittedRows:
+    """What a least-squares fit left, and what it was fitted by.
 
     Parameters
     ----------
-    residual
-        Residual of a least-squares fit, white if nothing is left, shape (n,).
+    residuals
+        Residual over each unbroken stretch, white if nothing is left, shape (n_k,).
     regressors
-        Regressors of that fit, shape (n, m): they make the residual's first lags correlated even
-        where the noise is white.
+        Regressors of the fit, shape (n_k, m).
+    """
+
+    def __init__(self, residuals: Sequence[Array], regressors: Sequence[Array]) -> None:
+        self.residuals, self._regressors = residuals, regressors
+        self.n, self.parameters = sum(r.size for r in residuals), regressors[0].shape[1]
+        corner = full_rank(*regressors)
+        self._inverse = solve_triangular(corner, np.eye(self.parameters))
+
+    def explained(self, columns: Sequence[Array]) -> tuple[float, float, int]:
+        """Return what further columns explain of the residual, beyond the regressors.
+
+        Parameters
+        ----------
+        columns
+            Shape (n_k, p).
+
+        Returns
+        -------
+        explained, whole, rank
+            Sum of squares that they explain, that of the residual, and their rank.
+        """
+        both = [np.column_stack(pair) for pair in zip(columns, self.residuals, strict=True)]
+        power = sum((np.sum(block**2, axis=0) for block in both), np.zeros(1))
+        for _ in range(2):  # the second round takes away what the first one rounds
+            self._project(both)
+        size = np.sqrt(np.maximum(power, 1e-300))
+        products = sum((block.T @ block for block in both), np.zeros(1)) / np.outer(size, size)
+        share, axes = np.linalg.eigh(products[:-1, :-1])
+        fresh = share > _RANK
+        told = axes[:, fresh].T @ products[:-1, -1]
+        whole = float(power[-1])
+        return whole * float(np.sum(told**2 / share[fresh])), whole, int(np.count_nonzero(fresh))
+
+    def _project(self, columns: Sequence[Array]) -> None:
+        """Take out of columns, in place, what the regressors explain of them."""
+        pairs = list(zip(self._regressors, columns, strict=True))
+        moment = sum((regressors.T @ own for regressors, own in pairs), np.zeros(1))
+        along = self._inverse @ (self._inverse.T @ moment)
+        for regressors, own in pairs:
+            own -= regressors @ along
+
+
+def serial_test(fitted: FittedRows, lags: int = SERIAL_LAGS) -> ResidualTest:
+    """Test for correlation with the residual's own past, all lags together.
+
+    The regressors make the residual's first lags correlated even where the noise is white.
+
+    Parameters
+    ----------
+    fitted
+        Residual and regressors of the fit.
     lags
         Number of lags.
     """
-    past = np.column_stack([delayed(residual, k) for k in range(1, lags + 1)])
-    explained, rank = _explained(residual, regressors, past)
-    left = float(residual @ residual)
-    statistic = residual.size * explained / left if left > 0.0 else 0.0
+    past = [_lagged(residual, lags, 0.0) for residual in fitted.residuals]
+    explained, left, rank = fitted.explained(past)
+    statistic = fitted.n * explained / left if left > 0.0 else 0.0
     return ResidualTest(
         "the noise has more colour", statistic, rank, float(chdtrc(rank, statistic))
     )
 
 
-def input_test(residual: Array, regressors: Array, inputs: Array) -> ResidualTest:
+def input_test(fitted: FittedRows, inputs: Sequence[Array]) -> ResidualTest:
     """Test whether further functions of the input explain some of the residual.
 
     Parameters
     ----------
-    residual
-        White residual of a least-squares fit, shape (n,).
-    regressors
-        Regressors of that fit, shape (n, m).
+    fitted
+        Residual and regressors of the fit.
     inputs
-        Further columns, such as the input at other lags, shape (n, k).
+        Further columns over each stretch, such as the input at other lags, shape (n_k, p).
     """
-    explained, rank = _explained(residual, regressors, inputs)
-    left = float(residual @ residual) - explained
-    free = residual.size - regressors.shape[1] - rank
+    explained, whole, rank = fitted.explained(inputs)
+    left, free = whole - explained, max(fitted.n - fitted.parameters - rank, 1)
     told = rank > 0 and left > 0.0
-    statistic = explained / rank / (left / max(free, 1)) if told else 0.0
-    p_value = 1.0 if not told else float(fdtrc(rank, max(free, 1), statistic))
+    statistic = explained / rank / (left / free) if told else 0.0
+    p_value = 1.0 if not told else float(fdtrc(rank, free, statistic))
     return ResidualTest("other dynamics act on the input", statistic, rank, p_value)
 
 
 def residual_tests(
-    pieces: Sequence[Linearised], dynamics: int, colour: Array
+    linearised: Linearisation, dynamics: int, colour: Array
 ) -> tuple[ResidualTest, ResidualTest]:
     """Test what an output-error fit has left.
 
     Parameters
     ----------
-    pieces
+    linearised
         Its stretches near the estimate.
     dynamics
         Number of parameters of the dynamics.
@@ -105,32 +152,27 @@ def residual_tests(
         Autoregressive coefficients of its residual.
     """
     residuals, regressors, inputs = [], [], []
-    ordinates = {piece.point: piece.regressors.shape[1] - dynamics for piece in pieces}
+    ordinates = {piece.point: piece.regressors.shape[1] - dynamics for piece in linearised.pieces}
     ends = np.cumsum([dynamics, *(ordinates[point] for point in sorted(ordinates))])
-    for piece in pieces:
-        n = piece.influence.size
+    for piece in linearised.pieces:
+        n, own = piece.influence.size, ordinates[piece.point]
         wide = np.zeros((n, int(ends[-1])))
-        wide[:, :dynamics] = piece.regressors[:, -dynamics:] if dynamics else 0.0
-        own = slice(int(ends[piece.point]), int(ends[piece.point + 1]))
-        wide[:, own] = piece.regressors[:, : piece.regressors.shape[1] - dynamics]
+        wide[:, :dynamics] = piece.regressors[:, own:]
+        wide[:, ends[piece.point] : ends[piece.point + 1]] = piece.regressors[:, :own]
         settled = piece.settled_rad_s
-        lagged = np.column_stack(
-            [delayed(settled, k, settled[0]) for k in range(1, INPUT_LAGS + 1)]
-        )
+        lagged = _lagged(settled, INPUT_LAGS, float(settled[0]))
         first = min(colour.size + INPUT_LAGS, n)
         residuals.append(whitened(colour, piece.influence)[first:])
         regressors.append(whitened(colour, wide)[first:])
         inputs.append(whitened(colour, lagged)[first:])
-    residual, regressor = np.concatenate(residuals), np.vstack(regressors)
-    return serial_test(residual, regressor), input_test(residual, regressor, np.vstack(inputs))
+    fitted = FittedRows(residuals, regressors)
+    return serial_test(fitted), input_test(fitted, inputs)
 
 
-def _explained(residual: Array, regressors: Array, columns: Array) -> tuple[float, int]:
-    """Sum of squares of the residual that columns explain beyond the regressors, and their rank."""
-    base, singular, _ = np.linalg.svd(regressors, full_matrices=False)
-    base = base[:, singular > _RANK * max(float(singular[0]), 1e-300)]
-    size = np.linalg.norm(columns, axis=0)
-    fresh = columns - base @ (base.T @ columns)
-    span, singular, _ = np.linalg.svd(fresh / np.maximum(size, 1e-300), full_matrices=False)
-    span = span[:, singular > _RANK**0.5]
-    return float(np.sum((span.T @ residual) ** 2)), int(span.shape[1])
+def _lagged(signal: Array, lags: int, before: float) -> Array:
+    """Put a signal's lags 1, 2 … side by side."""
+    columns = np.empty((signal.size, lags), order="F")
+    for k in range(1, lags + 1):
+        columns[:k, k - 1] = before
+        columns[k:, k - 1] = signal[:-k]
+    return columns

@@ -7,15 +7,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.identify.design import Stretch
-from usmbench.identify.dynamics import Dynamics, Family
+from usmbench.identify.dynamics import Dynamics
 from usmbench.identify.output_error import fit_output_error
-from usmbench.identify.projected import Projected, RowWeights
+from usmbench.identify.projected import Projected
+from usmbench.identify.row_weights import RowWeights
 
 Array = NDArray[np.float64]
 
 _ROUNDS = 4
+_CLOSE = 0.1  # squared distance to a minimum, in standard deviations of the estimates
 _BISQUARE = 4.685  # 95 % efficiency at the normal distribution (Huber and Ronchetti 2009)
-_SAME_SCALE = 0.005  # relative change of the scales below which the weights stand
+_SAME_SCALE = 0.02  # relative change of the scales below which the weights stand
 _FEWEST = 8  # rows of a kind that tell its scale
 
 
@@ -29,14 +31,11 @@ class RobustFit:
         The problem at the estimate, with its weights.
     settled_rad_s, changing_rad_s
         Standard deviation of the residual away from changes of phase, and just after them.
-    n
-        Rows of the fit.
     """
 
     problem: Projected
     settled_rad_s: float
     changing_rad_s: float
-    n: int
 
     @property
     def quietest_rad_s(self) -> float:
@@ -44,9 +43,7 @@ class RobustFit:
         return min(self.settled_rad_s, self.changing_rad_s)
 
 
-def robust_fit(
-    stretches: Sequence[Stretch], family: Family, start: Array, priors: Sequence[Array]
-) -> RobustFit:
+def robust_fit(start: Projected) -> RobustFit:
     """Fit the free run with Tukey's bisquare, iteratively reweighted.
 
     Windows just after a change of phase have a scale of their own: the moment of the command
@@ -54,42 +51,72 @@ def robust_fit(
 
     Parameters
     ----------
-    stretches
-        Regressors of each segment.
-    family
-        Where to search the dynamics.
     start
-        Parameters to start from.
-    priors
-        Rows of prior knowledge of each operating point's curve.
+        The problem at parameters to start from, with the weights of residuals like its own.
 
     Returns
     -------
     RobustFit
-        The fit after the last reweighting.
+        The fit after the last reweighting. The scales are those of its residuals, its weights
+        those of one round before.
     """
-    changing = [changing_rows(s.phase_deg, family.dynamics(start)) for s in stretches]
-    even = [np.ones(s.speed_rad_s.size) for s in stretches]
-    weights = [RowWeights(ones, ones) for ones in even]
-    problem = fit_output_error(stretches, family, start, weights, priors)
-    change = np.concatenate(changing)
-    settled = moving = 1.0
+    problem, kinds = start, residual_scales(start)
+    close = _CLOSE / sum(residual.size for residual in start.fit.residual_rad_s)
     for _ in range(_ROUNDS):
-        residual = np.concatenate(problem.fit.residual_rad_s)
-        before = settled, moving
-        settled, moving = scales(residual, change)
-        if settled == 0.0 or moving == 0.0:
-            # The model passes through most rows exactly: there is no scale to weight by.
-            settled = moving = 1.0
+        problem = fit_output_error(problem, close)
+        before, kinds = kinds, residual_scales(problem)
+        if np.allclose(before, kinds, rtol=_SAME_SCALE, atol=0.0):
             break
-        weights = []
-        for r, c in zip(problem.fit.residual_rad_s, changing, strict=True):
-            scale = np.where(c, moving, settled)
-            weights.append(RowWeights(scale / min(settled, moving), bisquare_root(r / scale)))
-        problem = fit_output_error(stretches, family, problem.fit.parameters, weights, priors)
-        if np.allclose(before, (settled, moving), rtol=_SAME_SCALE, atol=0.0):
-            break
-    return RobustFit(problem, settled, moving, change.size)
+        problem = problem.reweighted(bisquare_weights(problem, kinds))
+    return RobustFit(problem, *kinds)
+
+
+def residual_scales(problem: Projected) -> tuple[float, float]:
+    """Return the standard deviations of what a fit leaves.
+
+    Parameters
+    ----------
+    problem
+        The fit.
+
+    Returns
+    -------
+    settled, changing
+        Away from changes of phase, and just after them; 1 where the model passes through most
+        rows exactly and there is no scale to weight by.
+    """
+    changing = [changing_rows(s.phase_deg, problem.fit.dynamics) for s in problem.stretches]
+    kinds = scales(np.concatenate(problem.fit.residual_rad_s), np.concatenate(changing))
+    return kinds if min(kinds) > 0.0 else (1.0, 1.0)
+
+
+def bisquare_weights(problem: Projected, kinds: tuple[float, float]) -> list[RowWeights]:
+    """Return the weights that residuals give their rows.
+
+    Parameters
+    ----------
+    problem
+        The fit that left them.
+    kinds
+        Their standard deviations, as of `residual_scales`.
+    """
+    weights = []
+    for s, residual in zip(problem.stretches, problem.fit.residual_rad_s, strict=True):
+        changing = changing_rows(s.phase_deg, problem.fit.dynamics)
+        scale = np.where(changing, kinds[1], kinds[0])
+        weights.append(RowWeights(scale / min(kinds), bisquare_root(residual / scale)))
+    return weights
+
+
+def counted_alike(stretches: Sequence[Stretch]) -> list[RowWeights]:
+    """Return the weights of rows of which nothing is known.
+
+    Parameters
+    ----------
+    stretches
+        The segments.
+    """
+    return [RowWeights(ones, ones) for ones in (np.ones(s.speed_rad_s.size) for s in stretches)]
 
 
 def bisquare_root(residual: Array) -> Array:
@@ -137,7 +164,7 @@ def changing_rows(phase_deg: Array, dynamics: Dynamics) -> NDArray[np.bool_]:
     dynamics
         The linear part: its dead time and numerator say how long.
     """
-    changed = np.r_[True, phase_deg[1:] != phase_deg[:-1]]
+    changed = np.concatenate(([True], phase_deg[1:] != phase_deg[:-1]))
     first, last = dynamics.dead_time_windows, dynamics.dead_time_windows + dynamics.beta.size
     recent = np.zeros(changed.size, dtype=np.bool_)
     for lag in range(first, min(last, changed.size - 1) + 1):

@@ -10,10 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_triangular
 
 from usmbench.identify.curve_rows import FOLDS, CurveRows
-from usmbench.identify.design import phase_basis
+from usmbench.identify.design import stacked_basis
 from usmbench.identify.knots import place_knots
 from usmbench.identify.triangle import triangle
 from usmbench.model.bernstein import bernstein_basis
@@ -136,8 +135,8 @@ def fitted_curve(rows: CurveRows, choice: Choice) -> StaticCurve:
     factors, fixed = _fold_factors(rows, choice.knots_deg)
     n = sum(int(np.count_nonzero(f >= 0)) for f in rows.fold)
     pull = prior_rows(choice.knots_deg, choice.stiffness, rows.standing_deg, n)
-    (delta,) = _solved([triangle(np.vstack([fixed, *factors]))], pull)
-    return StaticCurve(choice.knots_deg, delta)
+    (delta,) = _solved([triangle(fixed, *factors)], [pull])
+    return StaticCurve(choice.knots_deg, delta[0])
 
 
 def _candidates(
@@ -160,42 +159,40 @@ def _judged(rows: CurveRows, knots_deg: Array, stiffnesses: Sequence[float]) -> 
     """Cross-validate one set of knots at several stiffnesses."""
     factors, fixed = _fold_factors(rows, knots_deg)
     n = sum(int(np.count_nonzero(f >= 0)) for f in rows.fold)
-    others = [np.vstack([fixed, *factors[:k], *factors[k + 1 :]]) for k in range(FOLDS)]
-    trained = [triangle(rest) for rest in others]
+    trained = [triangle(fixed, *factors[:k], *factors[k + 1 :]) for k in range(FOLDS)]
+    pulls = [prior_rows(knots_deg, s, rows.standing_deg, n) for s in stiffnesses]
     choices = []
-    for stiffness in stiffnesses:
-        pull = prior_rows(knots_deg, stiffness, rows.standing_deg, n)
+    for stiffness, deltas in zip(stiffnesses, _solved(trained, pulls), strict=True):
         sse = 0.0
-        for factor, delta in zip(factors, _solved(trained, pull), strict=True):
-            sse += float(np.sum((factor[:, -1] - factor[:, :-1] @ delta) ** 2))
+        for factor, delta in zip(factors, deltas, strict=True):
+            left = factor[:, -1] - factor[:, :-1] @ delta
+            sse += float(left @ left)
         choices.append(Choice(knots_deg, stiffness, float(np.sqrt(sse / max(n, 1)))))
     return choices
 
 
-def _solved(factors: Sequence[Array], pull: Array) -> list[Array]:
-    """Least squares from triangular factors whose last column is the outcome."""
-    pulled = np.column_stack([pull, np.zeros(pull.shape[0])])
-    n = pull.shape[1]
-    solved = []
-    if len({factor.shape for factor in factors}) == 1:
-        stacked = np.array([np.vstack([factor, pulled]) for factor in factors])
-        reduced = list(np.linalg.qr(stacked, mode="r"))
-    else:
-        reduced = [triangle(np.vstack([factor, pulled])) for factor in factors]
-    for factor in reduced:
-        if factor.shape[0] < n or np.any(np.diag(factor)[:n] == 0.0):
-            delta = np.linalg.lstsq(factor[:, :n], factor[:, n], rcond=None)[0]
-        else:
-            delta = solve_triangular(factor[:n, :n], factor[:n, n], check_finite=False)
-        solved.append(np.asarray(delta, dtype=np.float64))
-    return solved
+def _solved(factors: Sequence[Array], pulls: Sequence[Array]) -> Array:
+    """Least squares from triangular factors whose last column is the outcome, pulled each way.
+
+    Shape (pulls, factors, d + 1).
+    """
+    n = pulls[0].shape[1]
+    stacked = np.zeros((len(pulls), len(factors), n + 1 + pulls[0].shape[0], n + 1))
+    for k, pull in enumerate(pulls):
+        stacked[k, :, n + 1 :, :n] = pull
+    for k, factor in enumerate(factors):
+        stacked[:, k, : factor.shape[0]] = factor
+    reduced = np.asarray(np.linalg.qr(stacked, mode="r"), dtype=np.float64)
+    corners, outcomes = reduced[..., :n, :n], reduced[..., :n, n]
+    if np.all(np.diagonal(corners, axis1=-2, axis2=-1)):
+        return np.asarray(np.linalg.solve(corners, outcomes[..., None])[..., 0], dtype=np.float64)
+    return np.asarray((np.linalg.pinv(corners) @ outcomes[..., None])[..., 0], dtype=np.float64)
 
 
 def _fold_factors(rows: CurveRows, knots_deg: Array) -> tuple[list[Array], Array]:
     """Triangular factors of each fold's rows (regressors, outcome), and of those never held out."""
     fold = np.concatenate(rows.fold)
-    ends = np.cumsum([speed_rad_s.size for speed_rad_s in rows.speed_rad_s])[:-1]
-    basis = np.split(phase_basis(np.concatenate(rows.phase_deg), knots_deg), ends)
+    basis = stacked_basis(rows.phase_deg, knots_deg)
     stacked = [
         np.column_stack([rows.dynamics.respond(own), speed_rad_s])
         for own, speed_rad_s in zip(basis, rows.speed_rad_s, strict=True)

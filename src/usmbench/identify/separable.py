@@ -1,8 +1,9 @@
-"""A start for the search without a guess: least squares, then the nearest product of b and δ.
+"""A start for the search without a guess: linear least squares, with b and δ not yet told apart.
 
 In ``ω(t) = −Σ a_i ω(t−i) + Σ_k Θ_k · B(t−D−k)`` the matrix Θ (lags × ordinates) is the product
-b δᵀ. It is estimated without that constraint by linear least squares; its first singular pair is
-the nearest product (Bai 1998, doi:10.1016/S0005-1098(97)00198-2).
+b δᵀ. Without that constraint the equation is linear (Bai 1998,
+doi:10.1016/S0005-1098(97)00198-2). It gives the poles and the dead time; the search that starts
+there keeps to products.
 """
 
 from collections.abc import Sequence
@@ -13,12 +14,13 @@ from numpy.typing import NDArray
 from usmbench.identify.design import Stretch
 from usmbench.identify.dynamics import Dynamics
 from usmbench.identify.triangle import triangle
+from usmbench.model.linear import poles
 
 Array = NDArray[np.float64]
 
-_RIDGE = 1e-8  # relative to the largest singular value: products the data do not resolve stay 0
+_RIDGE = 1e-8  # of the regressors' size: products that the data do not resolve stay 0
 _STABLE = 0.98
-_FEW_ROWS = 3_000
+_BEYOND = 2.0  # times the least mean squared error
 
 
 def separable_start(
@@ -33,15 +35,21 @@ def separable_start(
     na, nb
         Orders of the linear part.
     dead_times
-        Dead times to compare, in windows.
+        Dead times to compare, in windows, rising.
 
     Returns
     -------
     Dynamics
         Stable; without a or with b_0 alone where the data say nothing usable.
     """
-    tried = [_at_dead_time(stretches, na, nb, dead) for dead in dead_times]
-    return min(tried, key=lambda entry: entry[0])[1]
+    least, best = _at_dead_time(stretches, na, nb, dead_times[0])
+    for dead_time in dead_times[1:]:
+        error, found = _at_dead_time(stretches, na, nb, dead_time)
+        if error > _BEYOND * least:
+            break  # longer than the true one: the beginning of every answer is missed
+        if error < least:
+            least, best = error, found
+    return best
 
 
 def _at_dead_time(
@@ -49,48 +57,36 @@ def _at_dead_time(
 ) -> tuple[float, Dynamics]:
     """Mean squared one-step error and dynamics at one dead time."""
     first = max(na, nb + dead_time)
-    rows = [s for s in stretches if s.basis.shape[0] > first + na + nb]
-    points = sorted({s.point for s in rows})
-    left = _FEW_ROWS
-    past: list[Array] = []
-    speed: list[Array] = []
-    n = 0
-    for point in points:
-        lags, own_past, own_speed = [], [], []
-        for s in (s for s in rows if s.point == point):
-            size = min(s.basis.shape[0], max(left, first + 1))
-            left -= size
-            ends = [slice(first - dead_time - k, size - dead_time - k) for k in range(nb + 1)]
-            lags.append(np.hstack([s.basis[end] for end in ends]))
-            own_past.append(
-                np.column_stack(
-                    [-s.speed_rad_s[first - i : size - i] for i in range(1, na + 1)]
-                    or [np.empty((size - first, 0))]
-                )
-            )
-            own_speed.append(s.speed_rad_s[first:size])
-        columns = np.vstack(lags)
-        outcomes = np.column_stack([np.vstack(own_past), np.concatenate(own_speed)])
-        factor, m = triangle(np.hstack([columns, outcomes])), columns.shape[1]
-        u, singular, _ = np.linalg.svd(factor[:m, :m])
-        span = u[:, : singular.size][:, singular > _RIDGE * singular[0]]
-        factor[:m, m:] -= span @ (span.T @ factor[:m, m:])
-        past.append(factor[:, m:-1])
-        speed.append(factor[:, -1])
-        n += columns.shape[0]
-    if not points:
+    usable = [s for s in stretches if s.speed_rad_s.size > first + na + nb]
+    beyond, n = [np.empty((0, na + 1))], 0
+    for point in sorted({s.point for s in usable}):
+        blocks = [_lagged(s, na, nb, dead_time) for s in usable if s.point == point]
+        m = blocks[0].shape[1] - na - 1
+        ridge = _RIDGE * np.linalg.norm(blocks[0]) * np.eye(m, m + na + 1)
+        beyond.append(triangle(ridge, *blocks)[m:, m:])
+        n += sum(block.shape[0] for block in blocks)
+    if n == 0:
         return np.inf, Dynamics(np.zeros(na), np.zeros(nb), dead_time)
-    stacked, target = np.vstack(past), np.concatenate(speed)
-    a = np.empty(0)
-    if na:
-        a = np.asarray(np.linalg.lstsq(stacked, target, rcond=None)[0], dtype=np.float64)
-    sse = float(np.sum((target - stacked @ a) ** 2))
-    return sse / max(n, 1), Dynamics(_stabilised(a), np.zeros(nb), dead_time)
+    left = np.vstack(beyond)
+    a = np.asarray(np.linalg.lstsq(left[:, :na], left[:, na], rcond=None)[0], dtype=np.float64)
+    sse = float(np.sum((left[:, na] - left[:, :na] @ a) ** 2))
+    return sse / n, Dynamics(_stabilised(a), np.zeros(nb), dead_time)
+
+
+def _lagged(stretch: Stretch, na: int, nb: int, dead_time: int) -> Array:
+    """Regressors with a whole past: lags of the basis, of the speed, and the speed itself."""
+    first, n = max(na, nb + dead_time), stretch.speed_rad_s.size
+    late = range(dead_time, dead_time + nb + 1)
+    return np.column_stack(
+        [stretch.basis[first - k : n - k] for k in late]
+        + [-stretch.speed_rad_s[first - i : n - i] for i in range(1, na + 1)]
+        + [stretch.speed_rad_s[first:]]
+    )
 
 
 def _stabilised(a: Array) -> Array:
     """Draw poles at or beyond the unit circle back inside."""
-    poles = np.roots(np.r_[1.0, a])
-    size = np.abs(poles)
-    drawn = np.where(size > _STABLE, poles * _STABLE / np.maximum(size, _STABLE), poles)
+    found = poles(a)
+    size = np.abs(found)
+    drawn = np.where(size > _STABLE, found * _STABLE / np.maximum(size, _STABLE), found)
     return np.asarray(np.poly(drawn).real[1:], dtype=np.float64)

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from usmbench.identify.courses import Course, courses_of, fitted_dynamics, scaled_residual
 from usmbench.identify.design import Stretch
 from usmbench.identify.dynamics import Dynamics, LagFamily, Parametrised
+from usmbench.identify.linearised import Linearisation, Linearised
 from usmbench.identify.polish import Polished
-from usmbench.identify.projected import Linearised, RowWeights
 from usmbench.identify.robust import RobustFit, bisquare_root, changing_rows, scales
+from usmbench.identify.row_weights import RowWeights
 from usmbench.identify.uncertainty import Estimate
 from usmbench.model.linear import fading, fitted_start_rad_s, free_run
 
@@ -83,15 +84,11 @@ class LimitedLagFamily:
         return moved
 
 
-def limited_fit(
-    stretches: Sequence[Stretch], search: RobustFit, lag: LagFamily, found: Polished
-) -> Estimate | None:
+def limited_fit(search: RobustFit, lag: LagFamily, found: Polished) -> Estimate | None:
     """Return the estimate with a torque limit, or None where the data do not ask for one.
 
     Parameters
     ----------
-    stretches
-        Regressors of each segment of the search.
     search
         The linear fit.
     lag
@@ -99,6 +96,7 @@ def limited_fit(
     found
         The estimates it came to.
     """
+    stretches = search.problem.stretches
     courses = courses_of(stretches, found)
     share = min(1.0, _JUDGED_ROWS / sum(c.half.size for c in courses))
     judged = [course.beginning(share) for course in courses]
@@ -125,6 +123,8 @@ def _hinted(
     """Score test: whether what a limit would change explains some of what the lag leaves."""
     lag, whole = start[:2], (0, 1)
     left = scaled_residual(courses, family.lag, lag, scale, whole)
+    if _as_quiet_as_settled(courses, left, scale):
+        return False
     moves = []
     for nudge in np.eye(2):
         nudged = family.lag.moved(lag, _NUDGE * nudge)
@@ -135,6 +135,22 @@ def _hinted(
     columns *= (root / np.maximum(np.linalg.norm(columns, axis=0), 1e-300)[:, None]).T
     q, r = np.linalg.qr(columns)
     return abs(float(r[-1, -1])) > _NUDGE and abs(float(q[:, -1] @ (root * left))) > _HINT
+
+
+def _as_quiet_as_settled(
+    courses: Sequence[Course], left: Array, scale: tuple[float, float]
+) -> bool:
+    """Whether changes of phase leave no more than what noise leaves away from them."""
+    changing = np.concatenate([c.changing[c.half >= 0] for c in courses])
+    settled = ~changing
+    if np.count_nonzero(settled) < _FEWEST_CHANGES:
+        return False
+    return _CLEARLY * _loss(left[changing] * scale[1] / scale[0]) < _loss(left[settled])
+
+
+def _loss(left: Array) -> float:
+    """Mean loss of scaled residuals: squares of small ones, sizes of large ones."""
+    return float(np.mean(np.sqrt(1.0 + left**2) - 1.0))
 
 
 def _better(
@@ -149,13 +165,13 @@ def _better(
             left = scaled_residual(
                 courses, candidate, parameters, scale, (held_out,), changing=True
             )
-            losses[k] += float(np.sum(np.sqrt(1.0 + left**2) - 1.0))
+            losses[k] += left.size * _loss(left)
     return losses[1] < _CLEARLY * losses[0]
 
 
 def _linearised(
     stretches: Sequence[Stretch], family: LimitedLagFamily, found: Polished
-) -> list[Linearised]:
+) -> Linearisation:
     """Linearise the free run of every stretch; by the curves' ordinates as for small steps."""
     dynamics, linear = found.dynamics, found.dynamics.linear_part(1.0)
     runs, slopes, changing = [], [], []
@@ -188,4 +204,4 @@ def _linearised(
                 s.point,
             )
         )
-    return pieces
+    return Linearisation(pieces)

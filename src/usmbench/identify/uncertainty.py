@@ -11,9 +11,9 @@ from scipy.special import ndtri
 
 from usmbench.identify.dynamics import Parametrised
 from usmbench.identify.knots import dead_zone_deg, standing_edges_deg
+from usmbench.identify.linearised import Linearisation
 from usmbench.identify.noise import coloured_back, fit_noise
 from usmbench.identify.polish import Polished
-from usmbench.identify.projected import Linearised
 from usmbench.identify.triangle import full_rank, triangle
 from usmbench.model.bernstein import bernstein_basis
 from usmbench.model.hammerstein import StaticCurve
@@ -24,8 +24,7 @@ Array = NDArray[np.float64]
 
 _TWO_SIDED = float(ndtri(0.975))
 _BAND_POINTS = 91
-_EDGE_GRID = 1001
-_DRAWS = 300
+_EDGE_GRID = 401
 _NUDGE = 1e-5
 _LONGEST = 1e4  # windows: what the data say of a time constant ends there
 
@@ -67,7 +66,7 @@ class Estimate:
 
     family: Parametrised
     found: Polished
-    linearised: Sequence[Linearised]
+    linearised: Linearisation
     share: float
 
 
@@ -86,20 +85,19 @@ def covariance(estimate: Estimate, priors: Sequence[Array]) -> Covariance:
     priors
         Rows of prior knowledge of each operating point's curve.
     """
-    linearised = estimate.linearised
-    colour, white = fit_noise([piece.influence for piece in linearised])
-    n = sum(piece.influence.size for piece in linearised)
-    slope = sum(float(piece.slope.sum()) for piece in linearised) / n
+    linearised, n = estimate.linearised, estimate.linearised.n
+    colour, white = fit_noise([piece.influence for piece in linearised.pieces])
     parts = []
-    for point, prior in enumerate(priors):
-        mine = [piece for piece in linearised if piece.point == point]
-        regressors = np.vstack([piece.regressors for piece in mine])
-        still = np.zeros((prior.shape[0], regressors.shape[1] - prior.shape[1]))
-        bread = np.vstack([np.sqrt(slope) * regressors, np.hstack([prior, still])])
-        coloured = [white * coloured_back(colour, piece.regressors) for piece in mine]
+    for point, (prior, rows) in enumerate(zip(priors, linearised.factors, strict=True)):
+        known = np.hstack([prior, np.zeros((prior.shape[0], rows.shape[1] - prior.shape[1]))])
+        coloured = rows
+        if colour.size:
+            mine = [piece.regressors for piece in linearised.at(point)]
+            coloured = triangle(*(coloured_back(colour, own) for own in mine))
         # The prior counts as noise too: so the band covers the bias it brings (Nychka 1988).
-        coloured.append(white * np.hstack([prior, still]))
-        parts.append(_Part(full_rank(bread), triangle(np.vstack(coloured)).T, prior.shape[1]))
+        meat = white * triangle(coloured, known).T
+        bread = full_rank(np.sqrt(linearised.slope) * rows, known)
+        parts.append(_Part(bread, meat, prior.shape[1]))
     size = parts[0].coupling.shape[1] + sum(part.n for part in parts)
     inflation = np.sqrt(estimate.share * n / max(n - size, 1))
     dynamics = _dynamics_root(parts) * inflation
@@ -144,7 +142,7 @@ def _dynamics_root(parts: Sequence[_Part]) -> Array:
     columns = np.asarray(np.hstack(pushed), dtype=np.float64)
     if columns.shape[0] == 0:
         return columns
-    corner = triangle(np.vstack([part.bread[part.n :, part.n :] for part in parts]))
+    corner = triangle(*(part.bread[part.n :, part.n :] for part in parts))
     half = solve_triangular(corner, columns, trans="T")
     return np.asarray(solve_triangular(corner, half), dtype=np.float64)
 
@@ -242,20 +240,16 @@ def curve_intervals(curve: StaticCurve, root: Array) -> dict[str, Any]:
 def _edge_intervals(
     curve: StaticCurve, root: Array
 ) -> tuple[list[float] | None, list[float] | None]:
-    """Intervals of the dead zone's edges, from curves drawn within the covariance."""
-    rng = np.random.default_rng(0)  # the same model gives the same report
-    drawn = curve.delta + rng.standard_normal((_DRAWS, root.shape[1])) @ root.T
+    """Intervals of the dead zone's edges, from curves a standard deviation off along each axis."""
+    axes = triangle(root.T)
     grid_deg = np.linspace(curve.knots_deg[0], curve.knots_deg[-1], _EDGE_GRID)
     basis = bernstein_basis(bezier_abscissa(grid_deg, curve.knots_deg), curve.degree)
-    edges = [standing_edges_deg(grid_deg, basis @ delta) for delta in drawn]
-    low_deg, high_deg = dead_zone_deg(curve)
-    return _around(low_deg, [e[0] for e in edges]), _around(high_deg, [e[1] for e in edges])
-
-
-def _around(estimate: float | None, drawn: Sequence[float | None]) -> list[float] | None:
-    """Interval about an estimate as wide as the draws are."""
-    known = np.array([value for value in drawn if value is not None])
-    if estimate is None or known.size < 0.9 * len(drawn):
-        return None
-    reach = _TWO_SIDED * float(known.std())
-    return [estimate - reach, estimate + reach]
+    up, down = (
+        standing_edges_deg(grid_deg, (curve.delta + side * axes) @ basis.T) for side in (1.0, -1.0)
+    )
+    reach = 0.5 * _TWO_SIDED * np.linalg.norm(up - down, axis=0)
+    low, high = (
+        None if edge_deg is None or np.isnan(wide) else [edge_deg - wide, edge_deg + wide]
+        for edge_deg, wide in zip(dead_zone_deg(curve), reach.tolist(), strict=True)
+    )
+    return low, high

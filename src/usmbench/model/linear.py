@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter, lfilter_zi
+from scipy.signal import lfilter
 
 from usmbench.model.hammerstein import LinearPart
 from usmbench.model.torque_limit import limited_run
@@ -75,7 +75,10 @@ def from_rest(b: Array, a: Array, dead_time_windows: int, signal: Array) -> Arra
         Shape (N,) or (N, K).
     """
     late = delayed(signal, dead_time_windows)
-    result: Array = lfilter(b, np.r_[1.0, a], late, axis=0)
+    if a.size == 0:
+        lags = enumerate(b.tolist())
+        return np.asarray(sum(value * delayed(late, k) for k, value in lags), dtype=np.float64)
+    result: Array = lfilter(b, np.concatenate(([1.0], a)), late, axis=0)
     return result
 
 
@@ -94,13 +97,9 @@ def fading(b: Array, a: Array, dead_time_windows: int, n: int) -> Array:
     Array
         Shape (n,). The part of the free run that the unknown start of a record adds.
     """
-    denominator = np.r_[1.0, a]
-    held = np.zeros(n)
-    held[:dead_time_windows] = 1.0
-    if max(b.size, denominator.size) == 1:
-        return held * float(b[0])
-    result: Array = lfilter(b, denominator, held, zi=lfilter_zi(b, denominator))[0]
-    return result
+    gain = float(b.sum()) / (1.0 + float(a.sum()))
+    faded: Array = gain - from_rest(b, a, dead_time_windows, np.ones(n))
+    return faded
 
 
 def fitted_start_rad_s(linear: LinearPart, settled_rad_s: Array, speed_rad_s: Array) -> float:
@@ -148,9 +147,21 @@ def _lag_windows(linear: LinearPart) -> tuple[float, float]:
     return tau_s / linear.window_s, max(dead_s / linear.window_s, 0.0)
 
 
-def _poles(a: Array) -> NDArray[np.complex128]:
-    """Poles of a denominator; a single one needs no search for roots."""
-    return np.asarray(-a if a.size == 1 else np.roots(np.r_[1.0, a]), dtype=np.complex128)
+def poles(a: Array) -> NDArray[np.complex128]:
+    """Return the roots of ``1 + Σ a_i z^−i``.
+
+    Parameters
+    ----------
+    a
+        Denominator a_1 … without the leading 1, shape (n_a,).
+
+    Returns
+    -------
+    Array
+        Shape (n_a,).
+    """
+    found = -a if a.size == 1 else np.roots(np.concatenate(([1.0], a)))
+    return np.asarray(found, dtype=np.complex128)
 
 
 def time_constant_s(linear: LinearPart) -> float | None:
@@ -166,8 +177,8 @@ def time_constant_s(linear: LinearPart) -> float | None:
     float or None
         None where the samples have no time step, or no pole is real, positive and stable.
     """
-    poles = _poles(linear.a)
-    real = poles.real[(np.abs(poles.imag) < 1e-9) & (poles.real > 0.0) & (poles.real < 1.0)]
+    found = poles(linear.a)
+    real = found.real[(np.abs(found.imag) < 1e-9) & (found.real > 0.0) & (found.real < 1.0)]
     if linear.window_s is None or real.size == 0:
         return None
     return -linear.window_s / math.log(float(real.max()))
@@ -189,14 +200,14 @@ def dead_time_s(linear: LinearPart) -> float | None:
     float or None
         None where the samples have no time step or a pole is not real, positive and stable.
     """
-    poles = _poles(linear.a)
-    plain = (np.abs(poles.imag) < 1e-9) & (poles.real > 0.0) & (poles.real < 1.0)
+    found = poles(linear.a)
+    plain = (np.abs(found.imag) < 1e-9) & (found.real > 0.0) & (found.real < 1.0)
     if linear.window_s is None or not np.all(plain):
         return None
     lags_a, lags_b = np.arange(1, linear.a.size + 1), np.arange(linear.b.size)
     mean = linear.dead_time_windows + float(lags_b @ linear.b) / float(linear.b.sum())
     mean -= float(lags_a @ linear.a) / (1.0 + float(linear.a.sum()))
-    lags = float(np.sum(-1.0 / np.log(poles.real))) if poles.size else 0.0
+    lags = float(np.sum(-1.0 / np.log(found.real))) if found.size else 0.0
     return linear.window_s * (mean - lags)
 
 
@@ -210,7 +221,6 @@ def memory_windows(linear: LinearPart, left: float = 1e-3) -> int:
     left
         Share of an initial error that may be left.
     """
-    poles = _poles(linear.a)
-    slowest = min(float(np.max(np.abs(poles), initial=0.0)), 0.9999)
+    slowest = min(float(np.max(np.abs(poles(linear.a)), initial=0.0)), 0.9999)
     decay = 0 if slowest < 1e-6 else math.ceil(math.log(left) / math.log(slowest))
     return linear.dead_time_windows + linear.b.size - 1 + decay

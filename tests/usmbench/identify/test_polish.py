@@ -8,12 +8,14 @@ import pytest
 
 from usmbench.identify import pieces
 from usmbench.identify.data import Dataset
-from usmbench.identify.design import build_design, phase_basis
+from usmbench.identify.design import build_design, stacked_basis
 from usmbench.identify.dynamics import FreeFamily, LagFamily
 from usmbench.identify.fast import FastOptions, identify_fast
 from usmbench.identify.gather import from_windows
+from usmbench.identify.output_error import fit_output_error
 from usmbench.identify.polish import polished
-from usmbench.identify.robust import robust_fit
+from usmbench.identify.projected import Projected
+from usmbench.identify.robust import RobustFit, bisquare_weights, counted_alike, robust_fit
 from usmbench.identify.selection import prior_rows
 from usmbench.identify.sensitivities import output_sensitivities
 from usmbench.identify.uncertainty import Estimate, covariance
@@ -33,22 +35,24 @@ def test_newton_steps_over_pieces_come_to_the_fit_of_all_rows(
 ) -> None:
     knots_deg = curve.knots_deg
     data = from_windows([measure(30_000, noise_rad_s=0.2)])
-    part = data.thinned(5000)
-    few = robust_fit(
-        build_design(part, [knots_deg]), family, start, [prior_rows(knots_deg, 1e-3, None, part.n)]
-    )
-    whole = robust_fit(
-        build_design(data, [knots_deg]), family, start, [prior_rows(knots_deg, 1e-3, None, data.n)]
-    )
-    found, wanted = (
-        polished(data, [knots_deg], family, few, few.problem.penalties),
-        whole.problem.fit,
-    )
-    estimate = Estimate(family, found, whole.problem.linearised(), 1.0)
-    spread = covariance(estimate, whole.problem.penalties)
+
+    def search(rows: Dataset) -> RobustFit:
+        stretches = build_design(rows, [knots_deg])
+        priors = [prior_rows(knots_deg, 1e-3, None, rows.n)]
+        return robust_fit(Projected(stretches, family, start, counted_alike(stretches), priors))
+
+    few, whole = search(data.thinned(5000)), search(data).problem
+    for _ in range(5):
+        weights = bisquare_weights(whole, (few.settled_rad_s, few.changing_rad_s))
+        whole = fit_output_error(whole.reweighted(weights), 1e-9)
+    linearised = few.problem.linearised()
+    found = polished(data, [knots_deg], family, few, linearised, few.problem.penalties)
+    wanted = whole.fit
+    estimate = Estimate(family, found, whole.linearised(), 1.0)
+    spread = covariance(estimate, whole.penalties)
     off = (found.parameters - wanted.parameters) / np.linalg.norm(spread.dynamics, axis=1)
     assert np.max(np.abs(off)) < 0.35
-    basis = phase_basis(np.linspace(-89.0, 89.0, 30), knots_deg)
+    (basis,) = stacked_basis([np.linspace(-89.0, 89.0, 30)], knots_deg)
     reach = np.linalg.norm(basis @ spread.delta[0], axis=1)
     assert np.max(np.abs(basis @ (found.delta[0] - wanted.delta[0])) / reach) < 0.35
 
@@ -71,7 +75,7 @@ def test_pieces_run_as_the_whole_does(
 def test_regressors_of_dwells_are_those_of_every_row(curve: StaticCurve) -> None:
     rng = np.random.default_rng(0)
     phase_deg = np.repeat(rng.uniform(-90.0, 90.0, 40), rng.integers(1, 9, 40))
-    basis = phase_basis(phase_deg, curve.knots_deg)
+    (basis,) = stacked_basis([phase_deg], curve.knots_deg)
     short = pieces.regressors(phase_deg, curve.knots_deg)
     column, delta = rng.standard_normal(phase_deg.size), rng.standard_normal(curve.delta.size)
     assert np.allclose(short.times(delta), basis @ delta, rtol=1e-12)

@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import binom
 
 from usmbench.identify.noise import coloured_back, fit_noise, whitened
-from usmbench.identify.residual_tests import input_test, serial_test
+from usmbench.identify.residual_tests import FittedRows, input_test, serial_test
 
 SETS, N = 300, 400
 
@@ -27,8 +27,8 @@ def test_false_alarms_come_at_five_per_cent_over_all_lags() -> None:
     serial, other = 0, 0
     for _ in range(SETS):
         residual, regressors, inputs = fitted(rng, rng.standard_normal(N))
-        serial += serial_test(residual, regressors).p_value < 0.05
-        other += input_test(residual, regressors, inputs).p_value < 0.05
+        serial += serial_test(FittedRows([residual], [regressors])).p_value < 0.05
+        other += input_test(FittedRows([residual], [regressors]), [inputs]).p_value < 0.05
     low, high = (float(binom.ppf(tail, SETS, 0.05)) for tail in (0.0005, 0.9995))
     assert low <= serial <= high
     assert low <= other <= high
@@ -38,19 +38,24 @@ def test_a_weak_colour_is_seen() -> None:
     rng = np.random.default_rng(1)
     white = rng.standard_normal(N + 1)
     residual, regressors, _ = fitted(rng, white[1:] + 0.6 * white[:-1])
-    assert serial_test(residual, regressors).p_value < 1e-6
+    assert serial_test(FittedRows([residual], [regressors])).p_value < 1e-6
 
 
 def test_a_missing_lag_of_the_input_is_seen() -> None:
     rng = np.random.default_rng(2)
     residual, regressors, inputs = fitted(rng, rng.standard_normal(N))
-    assert input_test(residual + 0.4 * inputs[:, 1], regressors, inputs).p_value < 1e-6
+    assert (
+        input_test(FittedRows([residual + 0.4 * inputs[:, 1]], [regressors]), [inputs]).p_value
+        < 1e-6
+    )
 
 
 def test_columns_that_say_nothing_new_say_nothing() -> None:
     rng = np.random.default_rng(3)
     residual, regressors, _ = fitted(rng, rng.standard_normal(N))
-    test = input_test(residual, regressors, regressors @ rng.standard_normal((2, 4)))
+    test = input_test(
+        FittedRows([residual], [regressors]), [regressors @ rng.standard_normal((2, 4))]
+    )
     assert (test.degrees, test.p_value) == (0, 1.0)
 
 

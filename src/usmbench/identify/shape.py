@@ -1,0 +1,224 @@
+"""What a fit settles before its numbers: family and start of the dynamics, knots, smoothness."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.identify.curve_rows import CurveRows, curve_rows
+from usmbench.identify.data import Dataset
+from usmbench.identify.design import build_design, check_rows
+from usmbench.identify.dynamics import Dynamics, Family, FreeFamily, LagFamily
+from usmbench.identify.knots import dead_zone_deg, place_knots
+from usmbench.identify.output_error import fit_output_error
+from usmbench.identify.projected import Projected
+from usmbench.identify.robust import bisquare_weights, counted_alike, residual_scales, robust_fit
+from usmbench.identify.selection import (
+    DEGREES,
+    Choice,
+    choose_curve,
+    fitted_curve,
+    judge_knots,
+    prior_rows,
+)
+from usmbench.identify.separable import separable_start
+from usmbench.model.hammerstein import StaticCurve
+
+Array = NDArray[np.float64]
+
+_FIRST_DEGREE, _FIRST_STIFFNESS = 12, 1e-4
+_FEW, _FEW_ROWS = 4, 500  # the first dynamics rest on every fourth row, in blocks
+_FIRST_TOLERANCE = 0.02  # of the sum of squares
+_MIDDLE_DEGREE = 18
+_DEAD_TIMES = range(6)
+_SAME_EDGE = 0.005  # of the range of phases
+
+
+@dataclass(frozen=True, slots=True)
+class FastOptions:
+    """What the user fixed; None leaves the choice to the data.
+
+    Parameters
+    ----------
+    degree
+        Degree of the curves.
+    knots_deg
+        Knots of the curves; with knots given, the degree follows from them.
+    na, nb
+        Orders of the linear part.
+    """
+
+    degree: int | None = None
+    knots_deg: tuple[float, ...] | None = None
+    na: int = 1
+    nb: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """Everything but the numbers.
+
+    Parameters
+    ----------
+    family
+        Where the dynamics are searched.
+    rough
+        A first fit, to the knots given or to even ones.
+    given
+        Whether the knots were given.
+    choices
+        Knots and smoothness of each operating point's curve.
+    rows
+        The samples on which each was chosen.
+    """
+
+    family: Family
+    rough: Projected
+    given: bool
+    choices: Sequence[Choice]
+    rows: Sequence[CurveRows]
+
+    @property
+    def knots_deg(self) -> list[Array]:
+        """Knots of each operating point's curve."""
+        return [choice.knots_deg for choice in self.choices]
+
+    def priors(self, data: Dataset) -> list[Array]:
+        """Return rows of prior knowledge of each operating point's curve, beside some samples.
+
+        Parameters
+        ----------
+        data
+            The samples.
+        """
+        return [
+            prior_rows(
+                choice.knots_deg,
+                choice.stiffness,
+                rows.standing_deg,
+                rows.stand_for(data.rows(point)),
+            )
+            for point, (choice, rows) in enumerate(zip(self.choices, self.rows, strict=True))
+        ]
+
+    def problem(self, part: Dataset) -> Projected:
+        """Return the problem to start the search from.
+
+        Parameters
+        ----------
+        part
+            The samples on which the shape was settled.
+        """
+        rough, priors = self.rough, self.priors(part)
+        weights = bisquare_weights(rough, residual_scales(rough))
+        if self.given:
+            return rough.reweighted(weights, priors)
+        stretches = build_design(part, self.knots_deg)
+        return Projected(stretches, self.family, rough.fit.parameters, weights, priors)
+
+
+def settle_shape(data: Dataset, part: Dataset, options: FastOptions) -> Shape:
+    """Settle what the user left open, on held-out samples.
+
+    Parameters
+    ----------
+    data
+        All samples.
+    part
+        Those to settle it on.
+    options
+        What is fixed.
+
+    Raises
+    ------
+    InputError
+        The data cannot carry the model.
+    """
+    nb = 2 if options.nb is None else options.nb
+    points = range(len(part.points))
+    degrees = [_degrees(part, point, options, nb) for point in points]
+    even = [place_knots(*part.spans_deg[k], min(_FIRST_DEGREE, max(degrees[k]))) for k in points]
+    family, start = _first_dynamics(data.thinned(part.n // _FEW, _FEW_ROWS), even, options, nb)
+    given = options.knots_deg
+    knots_deg = even if given is None else [np.array(given, dtype=np.float64)] * len(points)
+    stretches = build_design(part, knots_deg)
+    alike = counted_alike(stretches)
+    rough = Projected(stretches, family, start, alike, _soft(part, knots_deg))
+    if given is None:
+        rough = robust_fit(rough).problem
+    rows = [curve_rows(part, k, rough.fit) for k in points]
+    choices = [
+        _choice(rows[k], options, degrees[k], StaticCurve(knots_deg[k], rough.fit.delta[k]))
+        for k in points
+    ]
+    return Shape(family, rough, given is not None, choices, rows)
+
+
+def _first_dynamics(
+    data: Dataset, knots_deg: Sequence[Array], options: FastOptions, nb: int
+) -> tuple[Family, Array]:
+    """Dynamics to start the search from, and their family."""
+    stretches = build_design(data, knots_deg)
+    found = separable_start(stretches, options.na, nb, _DEAD_TIMES)
+    family, alike = _family(options, found), counted_alike(stretches)
+    start = family.parameters(found)
+    problem = Projected(stretches, family, start, alike, _soft(data, knots_deg))
+    return family, fit_output_error(problem, _FIRST_TOLERANCE).fit.parameters
+
+
+def _soft(data: Dataset, knots_deg: Sequence[Array]) -> list[Array]:
+    """Rows of prior knowledge of curves that nothing is known of yet."""
+    return [
+        prior_rows(knots, _FIRST_STIFFNESS, None, data.rows(point))
+        for point, knots in enumerate(knots_deg)
+    ]
+
+
+def _family(options: FastOptions, start: Dynamics) -> Family:
+    """Search among lags with a dead time, unless the user asks for other orders."""
+    if options.na == 1 and options.nb is None:
+        return LagFamily(start.dead_time_windows + 2.0)
+    return FreeFamily(start.a.size, start.beta.size, start.dead_time_windows)
+
+
+def _degrees(data: Dataset, point: int, options: FastOptions, nb: int) -> tuple[int, ...]:
+    """Degrees to choose from that the data can carry."""
+    if options.knots_deg is not None:
+        degrees: tuple[int, ...] = (len(options.knots_deg) - 1,)
+    elif options.degree is not None:
+        degrees = (options.degree,)
+    else:
+        phases = np.unique(data.phase_deg(point)).size
+        degrees = tuple(d for d in DEGREES if d + 2 <= phases) or (min(DEGREES),)
+    check_rows(data, min(degrees), options.na, nb, point=point)
+    return degrees
+
+
+def _choice(
+    rows: CurveRows, options: FastOptions, degrees: Sequence[int], curve: StaticCurve
+) -> Choice:
+    """Choose a point's curve, twice: the first choice says better where it bends."""
+    if options.knots_deg is not None:
+        return judge_knots(rows, np.array(options.knots_deg, dtype=np.float64))
+    span_deg = (float(curve.knots_deg[0]), float(curve.knots_deg[-1]))
+    middling = min(degrees, key=lambda degree: abs(degree - _MIDDLE_DEGREE))
+    first = choose_curve(rows, (middling,), _edges(curve), span_deg)
+    edges_deg = _edges(fitted_curve(rows, first))
+    if len(degrees) == 1 and _same_edges(edges_deg, _edges(curve), span_deg):
+        return first
+    return choose_curve(rows, degrees, edges_deg, span_deg)
+
+
+def _same_edges(
+    one_deg: tuple[float, ...], other_deg: tuple[float, ...], span_deg: tuple[float, float]
+) -> bool:
+    """Whether edges are where knots would be gathered at the same places."""
+    return len(one_deg) == len(other_deg) and np.allclose(
+        one_deg, other_deg, rtol=0.0, atol=_SAME_EDGE * (span_deg[1] - span_deg[0])
+    )
+
+
+def _edges(curve: StaticCurve) -> tuple[float, ...]:
+    """Edges of a curve's dead zone, as far as it has any."""
+    return tuple(edge for edge in dead_zone_deg(curve) if edge is not None)
