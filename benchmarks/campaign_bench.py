@@ -119,17 +119,26 @@ class MotorBench:
     def _compare(self, outcome: Outcome, record: Record, draw: Draw) -> None:
         """Hold what is hidden against the noise, and against the model's error."""
         excited, quiet = draw.excited, self._quiet(draw.excited, draw.number)
-        hidden = self._quiet(excited, draw.number, draw.hidden.made)
         healthy = read_run(self.measured(excited, _HEALTHY)).speed_rad_s
-        even = _without_gain(healthy - quiet, quiet)
-        effect, again = hidden - quiet, record.speed_rad_s - healthy
-        regular = np.abs(quiet - self._quiet(excited, 0)) < _level(even)
-        sure = regular & _regular(even) & _sure(effect, again, _LARGE * _level(even))
-        usual = np.mean(even[sure] ** 2) + np.mean((self._motor.wander * quiet[sure]) ** 2)
-        outcome.strength = float(np.sqrt(np.mean(effect[sure] ** 2) / usual))
+        even, again = _without_gain(healthy - quiet, quiet), record.speed_rad_s - healthy
         error, inside = _error(self.model, record)
+        regular = np.abs(quiet - self._quiet(excited, 0)) < _level(even)
+        steady = inside & regular & _regular(even)
+
+        def strength(effect: Array, sure: NDArray[np.bool_]) -> float:
+            usual = np.mean(even[sure] ** 2) + np.mean((self._motor.wander * quiet[sure]) ** 2)
+            return float(np.sqrt(np.mean(effect[sure] ** 2) / usual))
+
+        defects = draw.hidden.made
+        hidden = self._quiet(excited, draw.number, defects)
+        effect = hidden - quiet
+        sure = steady & _sure(effect, again, _LARGE * _level(even))
+        outcome.strength = outcome.weakest = strength(effect, sure)
+        if len(defects) > 1:
+            parts = [self._quiet(excited, draw.number, (defect,)) - quiet for defect in defects]
+            outcome.weakest = min(strength(part, sure) for part in parts)
         floor = record.speed_rad_s - hidden
-        rows = inside & sure & _regular(floor)
+        rows = sure & _regular(floor)
         outcome.oracle_gain = _gain(error[rows], (error - effect)[rows], floor[rows])
 
     def _fresh_gain(self, draw: Draw) -> float:

@@ -21,6 +21,8 @@ class Outcome:
         Under which conditions.
     strength
         Root mean square of what was hidden, in the speed, over the noise of a window.
+    weakest
+        The same of the smaller one of two causes.
     verdict, named, alternatives, remainder
         What diagnose said.
     gain
@@ -45,6 +47,7 @@ class Outcome:
     wire: bool
     n_frequencies: int = 1
     strength: float = 0.0
+    weakest: float = 0.0
     verdict: str = ""
     named: list[str] = field(default_factory=list)
     alternatives: list[str] = field(default_factory=list)

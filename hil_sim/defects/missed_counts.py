@@ -11,7 +11,7 @@ from hil_sim.signals import Samples
 
 # HEDS-9040 data sheet (5988-4057EN): pulse width error of 7° of the 180° electrical, typically.
 _WIDTH_SPREAD = 7.0 / 180.0
-_LINES = 4096
+_LINES = 500  # of the disc: each is as wide in every revolution
 
 
 class _InputFilter:

@@ -138,10 +138,13 @@ def test_the_tables_count(capsys: pytest.CaptureFixture[str]) -> None:
     }
     wrong = {**row, "judgement": "wrong", "named": ["b"], "wire": False}
     nothing = {**row, "hidden": {**row["hidden"], "group": "nothing"}, "verdict": "unexplained"}  # type: ignore[dict-item]
-    report([row, wrong, nothing])
+    two = {**row, "hidden": {**row["hidden"], "group": "two"}, "weakest": 1.2}  # type: ignore[dict-item]
+    slight = {**two, "weakest": 0.1, "judgement": "one of two"}
+    report([row, wrong, nothing, two, slight])
     wrong_ones([row, wrong, nothing])
     said = capsys.readouterr().out
-    assert "3 draws, 2 of them through" in said
+    assert "both of two named, each of size 1 and more         100.0 %" in said
+    assert "5 draws, 4 of them through" in said
     assert "right first, size 1 x noise and more                50.0 %" in said
     assert "false alarms, nothing hidden                       100.0 %" in said
     assert "95 % interval holds the true parameter             100.0 %" in said
