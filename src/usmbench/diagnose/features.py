@@ -32,7 +32,7 @@ from usmbench.model.linear import from_rest
 
 Array = NDArray[np.float64]
 
-_PHASE_NODES, _TIME_NODES, _EDGE_NODES = 37, 8, 4
+_PHASE_NODES, _TIME_NODES, _EDGE_NODES = 49, 8, 4
 _TABLE = 2001
 _CELLS = (7, 5, 3, 2, 2, 2)  # nodes along each speed at each lag
 _CREEP = (0.01, 0.03)  # speeds near standstill, as shares of the highest
@@ -71,7 +71,7 @@ class Features:
     Parameters
     ----------
     nodes_deg
-        Phases at which the curve's error is kept, rising: denser where the speed changes much.
+        Phases at which the curve's error is kept, rising: denser where it is steep or bends.
     top_rad_s
         Highest speed of the model.
     end_s
@@ -239,7 +239,7 @@ def features_of(stretches: Sequence[Stretch]) -> Features:
 
 
 def phase_nodes(phase_deg: Array, speed_rad_s: Array) -> tuple[float, ...]:
-    """Return nodes that share out both the phases and the changes of speed.
+    """Return nodes that share out the phases, the changes of speed, and the bends.
 
     Parameters
     ----------
@@ -249,7 +249,10 @@ def phase_nodes(phase_deg: Array, speed_rad_s: Array) -> tuple[float, ...]:
         Settled speeds there, shape (N,).
     """
     path = np.cumsum(np.abs(np.diff(speed_rad_s, prepend=speed_rad_s[:1])))
-    along = np.linspace(0.0, 1.0, phase_deg.size) + path / max(float(path[-1]), 1e-12)
+    bend = np.cumsum(np.abs(np.gradient(np.gradient(speed_rad_s))))
+    along = np.linspace(0.0, 1.0, phase_deg.size)
+    for part in (path, bend):
+        along = along + part / max(float(part[-1]), 1e-12)
     nodes = np.interp(np.linspace(0.0, along[-1], _PHASE_NODES), along, phase_deg)
     return tuple(float(f"{node:.6g}") for node in nodes)
 

@@ -15,7 +15,7 @@ _MOST_LEFT = 0.4  # as a share; what verdict() calls partly explained ends there
 _GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by a tenth
 _MATERIAL = 0.1  # of the noise's mean square
 _ACTS = 2.0  # times the noise
-_FEW, _NEARLY_ALL = 0.3, 0.9
+_ELSEWHERE = 0.1  # of the scatter where a cause acts by chance
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,23 +54,31 @@ class Found:
         return left > _MOST_LEFT * max(self.problem.deviance - n, 0.0) and left > _GROSS * n
 
     @property
-    def confined(self) -> bool:
-        """Whether what stays unexplained sits in the few windows on which the named causes act.
+    def by_chance(self) -> bool:
+        """Whether what stays unexplained is the scatter of a cause that acts by chance.
 
-        A cause that acts by chance there (counts that are lost now and then at high speed) leaves
-        scatter that no simulation foresees.
+        Counts that are lost now and then, say: no simulation foresees which. Then the scatter sits
+        in the windows on which the cause acts, and there the motor only ever seems too slow.
         """
-        changes = self.problem.change_rad_s(self.fit.effects)
-        acting, square = [], []
-        for stretch, mask, change, left in zip(
-            self.problem.stretches, self.problem.masks, changes, self.left_rad_s, strict=True
+        chancy = [a for a in self.fit.effects if a.effect.by_chance]
+        if not chancy:
+            return False
+        changes = self.problem.change_rad_s(chancy)
+        inside = outside = against = 0.0
+        for stretch, mask, change, was, left in zip(
+            self.problem.stretches,
+            self.problem.masks,
+            changes,
+            self.problem.residual_rad_s,
+            self.left_rad_s,
+            strict=True,
         ):
             level = self.problem.noise.level_rad_s(stretch)
-            acting.append((np.abs(change) > _ACTS * level)[mask])
-            square.append(((left / level) ** 2)[mask])
-        acts, squares = np.concatenate(acting), np.concatenate(square)
-        inside = float(np.sum(squares[acts]))
-        return bool(np.mean(acts) < _FEW and inside > _NEARLY_ALL * float(np.sum(squares)))
+            acts = mask & (np.abs(change) > _ACTS * level)
+            inside += float(np.sum((left / level)[acts] ** 2))
+            outside += float(np.sum((left / level)[mask & ~acts] ** 2))
+            against += float(np.sum((was / level)[acts & (was * change < 0.0)] ** 2))
+        return outside < _ELSEWHERE * inside and against < _ELSEWHERE * inside
 
     @property
     def material(self) -> bool:

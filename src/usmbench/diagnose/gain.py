@@ -19,6 +19,7 @@ _MARGIN = 5  # windows beyond the memory of the dynamics
 _BLOCKS = 12
 _DRAWS = 400
 _SEED = 1
+_HARDLY = 3.0  # times the usual uncertainty of a row: hardly foreseen
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,11 +43,11 @@ class Gain:
     high: float
 
 
-def held_out_gain(problem: Problem, fit: Fit, *, glitches: bool = False) -> Gain:
+def held_out_gain(problem: Problem, fit: Fit, *, sporadic: bool = False) -> Gain:
     """Score effects on blocks that their values were not fitted on, beside the model as given.
 
-    Rows that stand alone count neither before nor after: whether a motor starts in one window or
-    in the next may hang on nothing at all.
+    Rows that stand alone count neither before nor after, nor do those that the model is known to
+    foresee badly: whether a motor starts in one window or in the next may hang on nothing at all.
 
     Parameters
     ----------
@@ -54,8 +55,8 @@ def held_out_gain(problem: Problem, fit: Fit, *, glitches: bool = False) -> Gain
         The problem.
     fit
         The effects at their values on all rows; none scores the model against itself.
-    glitches
-        Whether the extension calls the rows that stand alone false counts; then the model as given
+    sporadic
+        Whether the extension has a name for the rows that stand alone; then the model as given
         has to answer for them.
     """
     held = [s.residual_rad_s.copy() for s in problem.stretches]
@@ -68,8 +69,10 @@ def held_out_gain(problem: Problem, fit: Fit, *, glitches: bool = False) -> Gain
     for stretch, after, mask, block in zip(
         problem.stretches, held, problem.masks, blocks, strict=True
     ):
-        scored = stretch.use & mask
-        plain = stretch.use if glitches else scored
+        level = problem.noise.level_rad_s(stretch)
+        foreseen = stretch.use & (level < _HARDLY * np.median(level))
+        scored = foreseen & mask
+        plain = foreseen if sporadic else scored
         sums.append(
             np.array(
                 [
@@ -77,7 +80,7 @@ def held_out_gain(problem: Problem, fit: Fit, *, glitches: bool = False) -> Gain
                     for rows, values in (
                         (plain, stretch.residual_rad_s**2),
                         (scored, after**2),
-                        (plain, problem.noise.level_rad_s(stretch) ** 2),
+                        (plain, level**2),
                         (plain, np.ones(plain.size)),
                         (scored, np.ones(plain.size)),
                     )

@@ -5,7 +5,7 @@ it under ``residual: diagnosis``; for a model without it, cautious values stand 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -62,6 +62,11 @@ class Knowledge:
     dead_zone_deg: float
     spikes_hz: float = 0.0
     habits: tuple[dict[str, Any], ...] = ()
+
+    @property
+    def nothing(self) -> "Knowledge":
+        """The same noise, and no shape that the model is known to leave."""
+        return replace(self, mean=np.zeros_like(self.mean), root=np.zeros_like(self.root))
 
     def expected_rad_s(self, stretch: Stretch) -> Array:
         """Return the mean residual of a stretch that is no news.

@@ -18,7 +18,7 @@ SIGNIFICANT = 0.01  # family-wise; with the omnibus test beside it, false alarms
 PLAINLY = 1e-3  # that the views together show something
 _REFINED = 8
 _SAME = 0.5
-_TELLING = 9.2  # deviance between two causes that data can tell: 99 % of chi-squared with two
+TELLING = 9.2  # deviance between two causes that data can tell: 99 % of chi-squared with two
 # What else the model misses decides between causes this near, and not the cause: a share of little
 # evidence (with 0.05 a delay in a triangle came out as hysteresis alone, see
 # benchmarks/next_experiment.py), of much evidence an amount and what a form of an effect is off by.
@@ -104,7 +104,7 @@ def telling_deviance(evidence: float) -> float:
     evidence
         What the better of the two brings.
     """
-    return max(_TELLING, min(_SIMILAR * evidence, _MISFIT + _OFF * evidence))
+    return max(TELLING, min(_SIMILAR * evidence, _MISFIT + _OFF * evidence))
 
 
 def alternatives(ranked: Sequence[Ranked]) -> tuple[str, ...]:

@@ -11,7 +11,6 @@ from usmbench.diagnose.detectable import smallest_sizes
 from usmbench.diagnose.fitting import Fit
 from usmbench.diagnose.found import Found
 from usmbench.diagnose.gain import Gain, held_out_gain
-from usmbench.diagnose.glitches import Glitches, find_glitches
 from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.naming import PLAINLY, Ranked, alternatives, verdict
 from usmbench.diagnose.problem import Problem
@@ -19,6 +18,7 @@ from usmbench.diagnose.refining import intervals
 from usmbench.diagnose.remainder import describe
 from usmbench.diagnose.result import Candidate, Diagnosis, Estimate, NamedCause, Trace, Verdict
 from usmbench.diagnose.search import search
+from usmbench.diagnose.sporadic import Sporadic, find_sporadic
 from usmbench.diagnose.stretches import Stretch, cut_runs
 from usmbench.diagnose.views import residual_views
 from usmbench.model.effects.base import Effect
@@ -75,19 +75,20 @@ def _diagnosed(
         if reason is not None and all(e.name != name for e in testable):
             refused[name] = reason
     found = search(stretches, known, own, [e for e in testable if not e.sporadic])
-    glitches = find_glitches(found.problem, found.left_rad_s)
-    says = _verdict(found, glitches)
-    return _report(found, glitches, says, model, testable, tuple(refused.items()), tuple(warnings))
+    sporadic = find_sporadic(found.problem, found.left_rad_s)
+    says = _verdict(found, sporadic)
+    return _report(found, sporadic, says, model, testable, tuple(refused.items()), tuple(warnings))
 
 
-def _verdict(found: Found, glitches: Glitches | None) -> Verdict:
+def _verdict(found: Found, sporadic: Sporadic | None) -> Verdict:
     """Say whether what is named may stand."""
     if found.named:
         says = verdict(found.before, found.after, found.fit.statistic)
         if says == "unexplained" or found.mostly_left:
-            return "partly_explained" if found.confined else "unexplained"
+            return "partly_explained" if found.by_chance else "unexplained"
         return says
-    if glitches is not None:
+    # Windows that stand alone are not the matter where most is wrong elsewhere.
+    if sporadic is not None and sporadic.deviance > found.before.excess:
         return "explained" if found.before.p_value > PLAINLY else "partly_explained"
     if not found.material:
         return "no_discrepancy"
@@ -98,7 +99,7 @@ def _verdict(found: Found, glitches: Glitches | None) -> Verdict:
 
 def _report(
     found: Found,
-    glitches: Glitches | None,
+    sporadic: Sporadic | None,
     says: Verdict,
     model: HammersteinModel,
     testable: Sequence[Effect],
@@ -109,16 +110,16 @@ def _report(
     problem = found.problem
     named = found.named if says in ("explained", "partly_explained") else []
     fit = found.fit if named else Fit((), 0.0, 0.0)
-    glitches = glitches if says in ("explained", "partly_explained") else None
-    effects = (*fit.effects, *(() if glitches is None else (glitches.applied,)))
+    sporadic = sporadic if says in ("explained", "partly_explained") else None
+    effects = (*fit.effects, *(() if sporadic is None else (sporadic.applied,)))
     extended = replace(
         model, effects=(*model.effects, *(applied.to_mapping() for applied in effects))
     )
     left = found.left_rad_s if named else problem.residual_rad_s
-    gain = held_out_gain(problem, fit, glitches=glitches is not None)
+    gain = held_out_gain(problem, fit, sporadic=sporadic is not None)
     causes = [] if not named else _causes(found, named, fit, gain)
-    if glitches is not None:
-        causes.append(glitches.named)
+    if sporadic is not None:
+        causes.append(sporadic.named)
     views = residual_views(problem, left, found.spread)
     remainder = None if says in ("no_discrepancy", "explained") else describe(views)
     return Diagnosis(

@@ -20,6 +20,7 @@ from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.spikes import PLAIN, count_steady, spiked
 from usmbench.diagnose.stretches import Mask, Stretch, cut_runs
 from usmbench.errors import InputError
+from usmbench.model.effects.base import Stage
 from usmbench.model.effects.registry import library
 from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
@@ -53,24 +54,31 @@ def with_knowledge(model: HammersteinModel, records: Sequence[Record]) -> Hammer
     except InputError:
         return model
     known = measure_knowledge(stretches)
-    habits = _habits(stretches, known)
-    if habits:
-        stretches, _ = cut_runs(records, model, habits)
-        entries = tuple(applied.to_mapping() for applied in habits)
-        known = replace(measure_knowledge(stretches), habits=entries)
+    habits: tuple[Applied, ...] = ()
+    stages: tuple[Stage, ...] = ("command", "settled")
+    for stage in stages:
+        # The shapes that are known would hide what a curve cannot be, and need not share it.
+        without = known if stage == "command" else known.nothing
+        found = _habit(stretches, without, habits, stage)
+        if found:
+            habits += found
+            stretches, _ = cut_runs(records, model, habits)
+            entries = tuple(applied.to_mapping() for applied in habits)
+            known = replace(measure_knowledge(stretches), habits=entries)
     return replace(model, residual={**model.residual, KEY: known.to_mapping()})
 
 
-def _habits(stretches: Sequence[Stretch], known: Knowledge) -> tuple[Applied, ...]:
-    """Return what the bench visibly does to every command."""
-    if known.noise is None:
+def _habit(
+    stretches: Sequence[Stretch], known: Knowledge, own: Sequence[Applied], stage: Stage
+) -> tuple[Applied, ...]:
+    """Return what healthy runs plainly show at a stage, beyond what is known."""
+    contexts = [s.context for s in stretches]
+    effects = [e for e in library() if e.stage == stage and e.habitual(contexts)]
+    if known.noise is None or not effects:
         return ()
-    effects = [e for e in library() if e.stage == "command" and len(e.parameters) == 1]
-    problem = Problem(stretches, known, known.noise, [s.use for s in stretches])
-    if not effects:
-        return ()
+    problem = Problem(stretches, known, known.noise, [s.use for s in stretches], own)
     best = rank(problem, effects, 1.0)[0]
-    return best.fit.effects if best.statistic > _PLAIN and best.effect.parameters[0].scanned else ()
+    return best.fit.effects if best.statistic > _PLAIN else ()
 
 
 def measure_knowledge(stretches: Sequence[Stretch]) -> Knowledge:

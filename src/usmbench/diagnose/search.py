@@ -21,7 +21,7 @@ from usmbench.diagnose.naming import (
 from usmbench.diagnose.noise import Noise, estimate_noise
 from usmbench.diagnose.problem import Basis, Problem
 from usmbench.diagnose.refining import refine_widely
-from usmbench.diagnose.spikes import spiked
+from usmbench.diagnose.spikes import isolated, spiked
 from usmbench.diagnose.stretches import Mask, Stretch
 from usmbench.diagnose.views import omnibus
 from usmbench.model.effects.base import Effect
@@ -31,7 +31,6 @@ Array = NDArray[np.float64]
 
 _MOST_CAUSES = 3
 _HUBER = 2.5
-_MOST_ALONE = 0.05
 _FEWEST_ROWS = 8.0  # that a cause has to explain better
 
 
@@ -57,7 +56,7 @@ def search(
     residuals = [s.residual_rad_s for s in stretches]
     uses = [s.use for s in stretches]
     noise = known.noise or _white(estimate_noise(stretches, residuals, uses))
-    masks = _without(uses, spiked(stretches, residuals, noise, near_steps=False))
+    masks = _without(stretches, spiked(stretches, residuals, noise, near_steps=False))
     problem = Problem(stretches, known, noise, masks, own)
     ranked = rank(problem, effects, 1.0)
     best: tuple[Applied, ...] = ()
@@ -66,7 +65,9 @@ def search(
     left = problem.left_rad_s(best)
     if known.noise is None:
         noise = estimate_noise(stretches, left, masks)
-    masks = _without(uses, spiked(stretches, left, noise, near_steps=True))
+    # What fits a few windows that stand alone makes others do so.
+    fars = [spiked(stretches, r, noise, near_steps=True) for r in (problem.residual_rad_s, left)]
+    masks = _without(stretches, min(fars, key=lambda far: sum(map(np.count_nonzero, far))))
     weights = _weights(Problem(stretches, known, noise, masks, own), left)
     problem = Problem(stretches, known, noise, masks, own, weights)
     basis = omnibus(problem)["all"]
@@ -120,12 +121,13 @@ def _rows_behind(problem: Problem, fit: Fit, longer: Fit) -> float:
     return float(np.sum(gained) ** 2 / max(float(np.sum(gained**2)), 1e-300))
 
 
-def _without(uses: Sequence[Mask], far: Sequence[Mask]) -> list[Mask]:
-    """Leave out windows that stand alone, unless there are too many to be exceptions."""
-    hit = sum(int(np.count_nonzero(u & f)) for u, f in zip(uses, far, strict=True))
-    if hit > _MOST_ALONE * sum(int(np.count_nonzero(u)) for u in uses):
-        return list(uses)
-    return [use & ~f for use, f in zip(uses, far, strict=True)]
+def _without(stretches: Sequence[Stretch], far: Sequence[Mask]) -> list[Mask]:
+    """Rows to judge without those that stand alone, unless these are too many to be exceptions."""
+    alone = np.concatenate([f[s.use] for s, f in zip(stretches, far, strict=True)])
+    speed_rad_s = np.concatenate([s.simulated_rad_s[s.use] for s in stretches])
+    if not isolated(alone, speed_rad_s):
+        return [s.use for s in stretches]
+    return [s.use & ~f for s, f in zip(stretches, far, strict=True)]
 
 
 def _weights(problem: Problem, left_rad_s: Sequence[Array]) -> list[Array]:

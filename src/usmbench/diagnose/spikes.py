@@ -12,6 +12,8 @@ Array = NDArray[np.float64]
 
 _RUNNING = 0.1  # of the highest speed
 _GENTLE = 0.1  # the same, a window: a command that glides
+_PARTS = 8  # of the speeds, from slow to fast
+_MOST_ALONE, _MOST_IN_PART = 0.1, 0.25  # more is no exception
 PLAIN = 12.0  # so far that only a false count remains
 FAR = 6.0  # standard deviations: once in 5·10⁸ windows of normal noise
 
@@ -75,6 +77,22 @@ def count_steady(stretches: Sequence[Stretch], far: Sequence[Mask]) -> tuple[int
     rows = [steady(s) for s in stretches]
     hit = sum(int(np.count_nonzero(f & r)) for f, r in zip(far, rows, strict=True))
     return hit, sum(int(np.count_nonzero(r)) for r in rows)
+
+
+def isolated(alone: Mask, speed_rad_s: Array) -> bool:
+    """Return whether the windows that stand alone are exceptions, at every speed.
+
+    Parameters
+    ----------
+    alone
+        Which windows do, shape (N,).
+    speed_rad_s
+        Simulated speed, shape (N,).
+    """
+    if np.mean(alone) > _MOST_ALONE:
+        return False
+    parts = np.array_split(alone[np.argsort(np.abs(speed_rad_s), kind="stable")], _PARTS)
+    return max(float(np.mean(part)) for part in parts if part.size) <= _MOST_IN_PART
 
 
 def _alone(residual: Array, least: Array) -> Mask:

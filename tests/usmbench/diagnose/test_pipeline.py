@@ -102,6 +102,29 @@ def test_a_cause_that_explains_nothing_of_unseen_blocks_is_not_named(
     assert found.gain == 0.0
 
 
+@pytest.mark.parametrize("share", [0.12, 0.5])
+def test_counts_that_a_filter_swallows_by_chance_are_missed_counts(
+    model: HammersteinModel, share: float
+) -> None:
+    rng = np.random.default_rng(3)
+    record = _driven(np.repeat(rng.uniform(-88.0, 88.0, 100), 20), 13)
+    four_counts_rad_s = 4.0 * 2.0 * np.pi / 2000.0 / WINDOW_S
+    fast = np.abs(record.speed_rad_s) > 0.95 * np.max(np.abs(record.speed_rad_s))
+    lost = rng.binomial(7, share / 7, fast.size) * fast
+    counted = record.speed_rad_s - np.sign(record.speed_rad_s) * four_counts_rad_s * lost
+    found = diagnose([replace(record, speed_rad_s=counted)], model)
+    assert found.verdict in {"explained", "partly_explained"}
+    assert [cause.name for cause in found.causes] == ["missed_counts"]
+
+
+def test_scatter_at_high_speed_that_is_no_loss_has_no_name(model: HammersteinModel) -> None:
+    record = _measured(13)
+    fast = np.abs(record.speed_rad_s) > 0.95 * np.max(np.abs(record.speed_rad_s))
+    shaken = 1.3 * np.random.default_rng(4).standard_normal(fast.size) * fast
+    found = diagnose([replace(record, speed_rad_s=record.speed_rad_s + shaken)], model)
+    assert found.verdict == "unexplained"
+
+
 @pytest.mark.parametrize(("reversals", "named"), [(2, False), (60, True)])
 def test_a_cause_that_acts_on_a_handful_of_windows_is_not_named(
     model: HammersteinModel, reversals: int, named: bool

@@ -115,7 +115,8 @@ class Effect(ABC):
     stage: ClassVar[Stage]
     parameters: ClassVar[tuple[Parameter, ...]]
     needs: ClassVar[tuple[str, ...]] = ()
-    sporadic: ClassVar[bool] = False
+    by_chance: ClassVar[bool] = False  # the windows it acts on keep a scatter of its own
+    sporadic: ClassVar[bool] = False  # it acts on single windows; see `SporadicEffect`
 
     @abstractmethod
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
@@ -150,6 +151,16 @@ class Effect(ABC):
             All stretches of the runs under diagnosis.
         """
         return None
+
+    def habitual(self, contexts: Sequence[Context]) -> bool:
+        """Return whether healthy runs may show it: a bench's habit, or what a curve cannot be.
+
+        Parameters
+        ----------
+        contexts
+            All stretches of the runs that a model was identified on.
+        """
+        return False
 
     def beneath(
         self,

@@ -1,13 +1,16 @@
 """Isolated false counts."""
 
+import math
+
 import numpy as np
 
-from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+from usmbench.model.effects.base import Array, Context, Parameter, Values
+from usmbench.model.effects.lone_windows import LoneWindows, SporadicEffect, Weighed
 
 _SEED = 20_240_229
 
 
-class CountGlitches(Effect):
+class CountGlitches(SporadicEffect):
     """Windows with false counts at random moments: spikes of a typical size, either sign.
 
     Which windows are hit cannot be foreseen: the extended simulation draws them, always the same
@@ -17,8 +20,6 @@ class CountGlitches(Effect):
     name = "count_glitches"
     meaning = "Isolated windows hold false counts: spikes that have nothing to do with the motion."
     mend = "Look at the encoder's cable, shield and ground; raise the counter's digital filter."
-    stage = "counter"
-    sporadic = True
     parameters = (
         Parameter("rate_hz", "1/s", 0.0, 0.0, 100.0, 0.1),
         Parameter("size_rad_s", "rad/s", 0.0, 0.0, 1e4, 1.0),
@@ -37,6 +38,22 @@ class CountGlitches(Effect):
         way = np.where(draw.random(signal.size) < 0.5, -1.0, 1.0)
         spiked: Array = signal + values["size_rad_s"] * hit * way
         return spiked
+
+    def weigh(self, windows: LoneWindows) -> Weighed:
+        """Return how well false counts fit: as often at any speed, and either way.
+
+        Parameters
+        ----------
+        windows
+            The windows, of which some stand alone.
+        """
+        every = np.ones(windows.alone.size, dtype=np.bool_)
+        odds = float(np.clip(np.mean(windows.alone), 1e-9, 1.0 - 1e-9))
+        count = int(np.count_nonzero(windows.alone))
+        likely = count * math.log(0.5 * odds) + (every.size - count) * math.log1p(-odds)
+        return Weighed(
+            likely, {"rate_hz": windows.rate_hz(every), "size_rad_s": windows.size_rad_s(every)}
+        )
 
 
 FORMS = (CountGlitches(),)

@@ -1,25 +1,30 @@
 """Counts are lost above some speed."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+from usmbench.model.effects.lone_windows import LoneWindows, SporadicEffect, Weighed
 
 _MEANING = "The counter loses counts above some speed."
 _MEND = "Check the counter's filter and input rate, the encoder's supply, and its cable."
 _THRESHOLD = Parameter("above_rad_s", "rad/s", 1.0, 0.0, 1e3, 0.5, scanned=True)
+_SEED = 19_360_404
+_STRAY = 0.02  # of the windows that stand alone: too fast, or below the speed
 
 
 class LostExcess(Effect):
-    """|ω′| = ω₀ + (1 − s)(|ω| − ω₀) above ω₀: a counter that cannot follow."""
+    """|ω′| = |ω| − k(|ω| − ω₀) above ω₀: a counter that loses more the faster it must count."""
 
     name = "missed_counts"
     form = "of the excess"
     meaning = _MEANING
     mend = _MEND
     stage = "counter"
-    parameters = (Parameter("share_lost", "1", 0.0, 0.0, 1.0, 0.05), _THRESHOLD)
+    by_chance = True
+    parameters = (Parameter("lost_of_excess", "1", 0.0, 0.0, 30.0, 0.05), _THRESHOLD)
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the speed that is reported.
@@ -29,8 +34,10 @@ class LostExcess(Effect):
         signal, context, values
             As in `Effect.apply`.
         """
-        excess = np.maximum(np.abs(signal) - values["above_rad_s"], 0.0)
-        return signal - values["share_lost"] * np.sign(signal) * excess
+        fast = np.abs(signal)
+        lost = values["lost_of_excess"] * np.maximum(fast - values["above_rad_s"], 0.0)
+        slower: Array = np.sign(signal) * np.maximum(fast - lost, 0.0)
+        return slower
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
         """Return thresholds within the upper part of the speeds.
@@ -47,6 +54,7 @@ class LostShare(LostExcess):
     """ω′ = (1 − s) ω above ω₀: every so many counts is missed once edges come too fast."""
 
     form = "of all"
+    parameters = (Parameter("share_lost", "1", 0.0, 0.0, 1.0, 0.05), _THRESHOLD)
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the speed that is reported.
@@ -60,10 +68,65 @@ class LostShare(LostExcess):
         return signal * np.where(above, 1.0 - values["share_lost"], 1.0)
 
 
+class LostNowAndThen(SporadicEffect):
+    """Now and then a window above ω₀ loses counts: a filter or a cable at its limit."""
+
+    name = "missed_counts"
+    form = "now and then"
+    meaning = _MEANING
+    mend = _MEND
+    parameters = (
+        Parameter("rate_hz", "1/s", 0.0, 0.0, 100.0, 0.1),
+        Parameter("lost_rad_s", "rad/s", 0.0, 0.0, 1e4, 1.0),
+        Parameter("above_rad_s", "rad/s", 0.0, 0.0, 1e3, 0.1),
+    )
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the speed that is reported.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        draw = np.random.default_rng(_SEED)
+        hit = draw.random(signal.size) < values["rate_hz"] * context.window_s
+        lost = hit & (np.abs(signal) > values["above_rad_s"])
+        slower: Array = signal - values["lost_rad_s"] * np.sign(signal) * lost
+        return slower
+
+    def weigh(self, windows: LoneWindows) -> Weighed:
+        """Return how well lost counts fit: only above some speed, and always too slow.
+
+        Parameters
+        ----------
+        windows
+            The windows, of which some stand alone.
+        """
+        fast, alone = np.abs(windows.speed_rad_s), windows.alone
+        slow = windows.deviation_rad_s * np.sign(windows.speed_rad_s) < 0.0
+        found = Weighed(-np.inf, {})
+        for threshold in np.unique(fast[alone]):
+            above = fast >= threshold
+            odds = np.mean(alone[above]) * np.where(above, 1.0, _STRAY)
+            way = np.where(above, np.where(slow, 1.0 - _STRAY, _STRAY), 0.5)
+            likely = float(np.sum(np.log(odds * way)[alone]) + np.sum(np.log1p(-odds[~alone])))
+            likely -= math.log(fast.size)  # where it begins was chosen to fit
+            if likely > found.log_likelihood:
+                below = float(np.max(fast[~above], initial=0.0))
+                values = {
+                    "rate_hz": windows.rate_hz(above),
+                    "lost_rad_s": windows.size_rad_s(above),
+                    "above_rad_s": (below, 0.5 * (below + float(threshold)), float(threshold)),
+                }
+                found = Weighed(likely, values)
+        return found
+
+
 def _thresholds_rad_s(contexts: Sequence[Context]) -> Array:
     """From a quarter of the highest speed to just below it."""
     top = max(float(np.max(np.abs(c.settled_rad_s(c.phase_deg)))) for c in contexts)
     return np.asarray(top * np.linspace(0.25, 0.98, 38), dtype=np.float64)
 
 
-FORMS = (LostExcess(), LostShare())
+FORMS = (LostExcess(), LostShare(), LostNowAndThen())

@@ -68,6 +68,16 @@ class RoundedPhase(Effect):
         even = farthest_deg / np.arange(1.0, farthest_deg / _FINEST_DEG)
         return {"step_deg": np.unique([*_USUAL_DEG, *even[even <= _COARSEST_DEG]])}
 
+    def habitual(self, contexts: Sequence[Context]) -> bool:
+        """Return whether there are phases enough to tell the step.
+
+        Parameters
+        ----------
+        contexts
+            All stretches.
+        """
+        return _many_phases(contexts)
+
 
 class RoundedUpPhase(RoundedPhase):
     """φ′ = q ⌊φ/q + ½⌋: halves go up, as where half a step is added before the bits are cut."""

@@ -45,5 +45,15 @@ class StickSlip(Effect):
         top = max(float(np.max(np.abs(c.settled_rad_s(c.phase_deg)))) for c in contexts)
         return {"fades_rad_s": np.clip(top * np.geomspace(0.01, 0.4, 8), 0.02, 5.0)}
 
+    def habitual(self, contexts: Sequence[Context]) -> bool:
+        """Return True: a smooth curve rounds off where a healthy motor stands still.
+
+        Parameters
+        ----------
+        contexts
+            All stretches.
+        """
+        return True
+
 
 FORMS = (StickSlip(),)

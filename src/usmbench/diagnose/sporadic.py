@@ -1,0 +1,97 @@
+"""Causes that strike single windows named: those that stand alone, and what sets them apart."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import poisson
+
+from usmbench.diagnose.naming import SIGNIFICANT, TELLING
+from usmbench.diagnose.problem import Problem
+from usmbench.diagnose.result import Estimate, NamedCause
+from usmbench.diagnose.spikes import PLAIN, isolated, spiked, steady
+from usmbench.model.effects.lone_windows import LoneWindows, SporadicEffect, Weighed
+from usmbench.model.effects.registry import library
+from usmbench.model.extended import Applied
+
+Array = NDArray[np.float64]
+
+_FEWEST = 4
+_AS_USUAL = 2.0  # times the rate of the identified runs: their plans differ
+
+
+@dataclass(frozen=True, slots=True)
+class Sporadic:
+    """The finding.
+
+    Parameters
+    ----------
+    applied
+        The effect for the extended model.
+    named
+        The cause for the result.
+    deviance
+        Square of the windows that stand alone, over the noise's.
+    """
+
+    applied: Applied
+    named: NamedCause
+    deviance: float
+
+
+def find_sporadic(problem: Problem, left: Sequence[Array]) -> Sporadic | None:
+    """Name a sporadic cause where enough windows stand alone.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    left
+        Residual of each stretch without the other causes.
+    """
+    rows = np.concatenate([steady(s) for s in problem.stretches])
+    far = spiked(problem.stretches, left, problem.noise, near_steps=True, times=PLAIN)
+    windows = LoneWindows(
+        np.concatenate([s.simulated_rad_s for s in problem.stretches])[rows],
+        np.concatenate(list(left))[rows],
+        np.concatenate(far)[rows],
+        problem.stretches[0].context.window_s,
+    )
+    level_rad_s = np.concatenate([problem.noise.level_rad_s(s) for s in problem.stretches])[rows]
+    count = int(np.count_nonzero(windows.alone))
+    usual = _AS_USUAL * problem.known.spikes_hz * windows.alone.size * windows.window_s
+    p_value = float(poisson.sf(count - 1, usual)) if usual > 0.0 else 0.0
+    if count < max(_FEWEST, usual) or p_value > SIGNIFICANT:
+        return None
+    if not isolated(windows.alone, windows.speed_rad_s):
+        return None
+    effects = [effect for effect in library() if isinstance(effect, SporadicEffect)]
+    weighed = [(effect, effect.weigh(windows)) for effect in effects]
+    weighed.sort(key=lambda pair: -pair[1].log_likelihood)
+    (effect, best), *others = weighed
+    near = [e.name for e, w in others if 2.0 * (best.log_likelihood - w.log_likelihood) < TELLING]
+    square = windows.deviation_rad_s**2
+    share = float(np.sum(square[windows.alone])) / max(float(np.sum(square)), 1e-12)
+    deviance = float(np.sum((square / level_rad_s**2)[windows.alone]))
+    estimates = _estimates(effect, best)
+    named = NamedCause(
+        effect.name,
+        effect.form,
+        effect.meaning,
+        effect.mend,
+        tuple(near),
+        estimates,
+        p_value,
+        share,
+    )
+    return Sporadic(Applied(effect, {e.name: e.value for e in estimates}), named, deviance)
+
+
+def _estimates(effect: SporadicEffect, found: Weighed) -> tuple[Estimate, ...]:
+    """Describe the parameters."""
+    estimates = []
+    for p in effect.parameters:
+        low, value, high = found.values[p.name]
+        estimates.append(Estimate(p.name, value, low, high, p.unit))
+    return tuple(estimates)

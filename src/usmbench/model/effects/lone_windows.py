@@ -1,0 +1,99 @@
+"""Causes that strike single windows by chance, and the windows that tell them apart."""
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+
+from usmbench.model.effects.base import Array, Effect
+
+Interval = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class LoneWindows:
+    """Windows in which the motor runs steadily, and which of them stand alone; shapes (N,).
+
+    Parameters
+    ----------
+    speed_rad_s
+        Simulated speed.
+    deviation_rad_s
+        Measured less simulated speed.
+    alone
+        Whether the window is far from its neighbours.
+    window_s
+        Duration of a window.
+    """
+
+    speed_rad_s: Array
+    deviation_rad_s: Array
+    alone: NDArray[np.bool_]
+    window_s: float
+
+    def rate_hz(self, among: NDArray[np.bool_]) -> Interval:
+        """Return how often a window stands alone: low end, value, high end of 95 %.
+
+        The interval is Garwood's exact one for a Poisson count (1936, doi:10.2307/2333958).
+
+        Parameters
+        ----------
+        among
+            The windows to count in, shape (N,).
+        """
+        count = int(np.count_nonzero(self.alone & among))
+        time_s = max(int(np.count_nonzero(among)), 1) * self.window_s
+        low = float(chi2.ppf(0.025, 2 * count)) if count else 0.0
+        high = float(chi2.ppf(0.975, 2 * count + 2))
+        return 0.5 * low / time_s, count / time_s, 0.5 * high / time_s
+
+    def size_rad_s(self, among: NDArray[np.bool_]) -> Interval:
+        """Return how far the windows that stand alone are off: low end, median, high end of 95 %.
+
+        Parameters
+        ----------
+        among
+            The windows to look at, shape (N,).
+        """
+        sizes = np.abs(self.deviation_rad_s[self.alone & among])
+        if sizes.size == 0:
+            return 0.0, 0.0, 0.0
+        middle = float(np.median(sizes))
+        half = 1.96 * float(np.std(sizes)) / float(np.sqrt(sizes.size))
+        return max(middle - half, 0.0), middle, middle + half
+
+
+@dataclass(frozen=True, slots=True)
+class Weighed:
+    """How well a sporadic cause fits windows that stand alone.
+
+    Parameters
+    ----------
+    log_likelihood
+        Of where they are, and which way they are off, less the price of what was chosen to fit.
+    values
+        Low end, value and high end of 95 % of each parameter, by name.
+    """
+
+    log_likelihood: float
+    values: dict[str, Interval]
+
+
+class SporadicEffect(Effect):
+    """A cause that strikes windows by chance: no simulation foresees which."""
+
+    stage = "counter"
+    sporadic: ClassVar[bool] = True
+
+    @abstractmethod
+    def weigh(self, windows: LoneWindows) -> Weighed:
+        """Return how well the cause fits.
+
+        Parameters
+        ----------
+        windows
+            The windows, of which some stand alone.
+        """

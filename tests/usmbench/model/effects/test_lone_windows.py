@@ -1,0 +1,63 @@
+"""Windows that stand alone, and which cause they speak for."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from usmbench.model.effects.count_glitches import CountGlitches
+from usmbench.model.effects.lone_windows import LoneWindows
+from usmbench.model.effects.missed_counts import LostNowAndThen
+
+WINDOW_S = 0.01
+N = 3000
+
+
+def _windows(seed: int, count: int, above_rad_s: float, *, too_slow: bool) -> LoneWindows:
+    """Return windows of which so many above a speed stand alone."""
+    rng = np.random.default_rng(seed)
+    speed = rng.uniform(-10.0, 10.0, N)
+    hit = rng.choice(np.flatnonzero(np.abs(speed) > above_rad_s), count, replace=False)
+    alone = np.zeros(N, dtype=np.bool_)
+    alone[hit] = True
+    way = -np.sign(speed) if too_slow else rng.choice([-1.0, 1.0], N)
+    deviation = 0.01 * rng.standard_normal(N) + 0.6 * way * alone
+    return LoneWindows(speed, deviation, alone, WINDOW_S)
+
+
+@settings(deadline=None, max_examples=25)
+@given(
+    seed=st.integers(0, 10_000),
+    count=st.integers(8, 200),
+    above=st.floats(3.0, 9.0),
+    lost=st.booleans(),
+)
+def test_lost_counts_are_slow_and_fast_windows_alone(
+    seed: int, count: int, above: float, lost: bool
+) -> None:
+    windows = _windows(seed, count, above if lost else 0.0, too_slow=lost)
+    glitches, losses = CountGlitches().weigh(windows), LostNowAndThen().weigh(windows)
+    assert (losses.log_likelihood > glitches.log_likelihood) == lost
+    if lost:
+        low, value, high = losses.values["above_rad_s"]
+        assert low <= value <= high
+        fast = np.abs(windows.speed_rad_s[windows.alone])
+        assert value > np.min(fast) - 0.1
+        assert np.mean(fast < value) <= 0.05
+        assert losses.values["lost_rad_s"][1] == pytest.approx(0.6, abs=0.02)
+
+
+def test_a_rate_has_an_exact_interval() -> None:
+    windows = _windows(1, 30, 0.0, too_slow=False)
+    low, value, high = windows.rate_hz(np.ones(N, dtype=np.bool_))
+    # 95 % of a Poisson count of 30: 20.24 to 42.83 (tables of Garwood, 1936).
+    assert value == pytest.approx(1.0)
+    assert low == pytest.approx(20.24 / 30.0, abs=1e-3)
+    assert high == pytest.approx(42.83 / 30.0, abs=1e-3)
+
+
+def test_nothing_that_stands_alone_speaks_for_no_lost_counts() -> None:
+    windows = LoneWindows(np.ones(5), np.zeros(5), np.zeros(5, dtype=np.bool_), WINDOW_S)
+    assert LostNowAndThen().weigh(windows).log_likelihood == -np.inf
+    assert windows.size_rad_s(np.ones(5, dtype=np.bool_)) == (0.0, 0.0, 0.0)
+    assert windows.rate_hz(np.ones(5, dtype=np.bool_))[0] == 0.0
