@@ -110,12 +110,12 @@ class Shape:
         part
             The samples on which the shape was settled.
         """
-        rough, priors = self.rough, self.priors(part)
-        weights = bisquare_weights(rough, residual_scales(rough))
-        if self.given:
-            return rough.reweighted(weights, priors)
-        stretches = build_design(part, self.knots_deg)
-        return Projected(stretches, self.family, rough.fit.parameters, weights, priors)
+        alike, priors = self.rough, self.priors(part)
+        if not self.given:
+            # Rough weights would hide the rows that the rough curve missed.
+            stretches, start = build_design(part, self.knots_deg), self.rough.fit.parameters
+            alike = Projected(stretches, self.family, start, counted_alike(stretches), priors)
+        return alike.reweighted(bisquare_weights(alike, residual_scales(alike)), priors)
 
 
 def settle_shape(data: Dataset, part: Dataset, options: FastOptions) -> Shape:

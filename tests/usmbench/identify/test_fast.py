@@ -72,28 +72,40 @@ def test_each_operating_point_has_its_curve_and_shares_the_dynamics(measure: Mea
     assert content["points"][0]["a"] == content["points"][1]["a"]
 
 
-def test_a_curve_is_held_no_stiffer_for_the_company_of_others() -> None:
+def staircase(edge_deg: float, seed: int, gain: float = 1.0) -> tuple[Record, np.ndarray]:
+    """Return a staircase up and down, with noise where the motor turns, and its settled speeds."""
     phases_deg = np.linspace(-90.0, 90.0, 41)
     phase_deg = np.repeat(np.r_[phases_deg, phases_deg[-2::-1]], 20)
-    driven_deg = np.sign(phase_deg) * np.maximum(np.abs(phase_deg) - 6.0, 0.0)
-    settled = 10.0 * np.sin(np.radians(driven_deg * 90.0 / 84.0))
+    driven_deg = np.maximum(np.abs(phase_deg) - edge_deg, 0.0) * 90.0 / (90.0 - edge_deg)
+    settled = gain * 10.0 * np.sign(phase_deg) * np.sin(np.radians(driven_deg))
     linear = LagFamily(1.0).dynamics(np.array([np.log(0.35), 0.15])).linear_part(0.01)
-    clean, n = free_run(linear, settled), phase_deg.size
-    records = [
-        Record(
-            f"run {k}",
-            0.01 * np.arange(1.0, n + 1.0),
-            phase_deg,
-            0.95**k * clean + np.random.default_rng(k).normal(0.0, 0.01, n),
-            np.full(n, 0.01),
-            torque_nm=np.full(n, 0.1 * k),
-        )
-        for k in range(9)
-    ]
+    n = phase_deg.size
+    noise = np.random.default_rng(seed).normal(0.0, 0.005, n) * (settled != 0.0)
+    record = Record(
+        f"run {seed}",
+        0.01 * np.arange(1.0, n + 1.0),
+        phase_deg,
+        free_run(linear, settled) + noise,
+        np.full(n, 0.01),
+        torque_nm=np.full(n, 0.1 * seed),
+    )
+    return record, settled
+
+
+@pytest.mark.parametrize("edge_deg", [4.6, 6.0, 8.9])
+def test_dwells_at_the_edge_of_the_dead_zone_are_no_outliers(edge_deg: float) -> None:
+    record, settled = staircase(edge_deg, 0)
+    curve = identify_fast([record], FastOptions()).model.points[0].curve
+    assert np.max(np.abs(curve.speed_rad_s(record.phase_deg) - settled)) < 0.02
+
+
+def test_a_curve_is_held_no_stiffer_for_the_company_of_others() -> None:
+    runs = [staircase(6.0, k, 0.95**k) for k in range(9)]
+    (first, settled), records = runs[0], [record for record, _ in runs]
     off = []
     for together in (records[:1], records):
         curve = identify_fast(together, FastOptions(degree=24)).model.points[0].curve
-        off.append(np.sqrt(np.mean((curve.speed_rad_s(phase_deg) - settled) ** 2)))
+        off.append(np.sqrt(np.mean((curve.speed_rad_s(first.phase_deg) - settled) ** 2)))
     assert off[1] < 1.2 * off[0]
 
 
