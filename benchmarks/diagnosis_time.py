@@ -1,13 +1,22 @@
-"""How long a diagnosis takes, and how much memory, by the number of windows."""
+"""How long a diagnosis takes, and how much memory, by the number of windows.
+
+    python benchmarks/diagnosis_time.py [--identified] [--limited]
+
+The model is one of which nothing but its noise is known, or one that was identified on two runs and
+carries what they taught of its errors; the motor a plain lag, or one whose torque has a limit.
+"""
 
 import argparse
 import resource
 import sys
 import time
+from dataclasses import replace
 
 import numpy as np
 
 from usmbench.diagnose.pipeline import diagnose
+from usmbench.diagnose.reference import with_knowledge
+from usmbench.identify.fast import FastOptions, identify_fast
 from usmbench.model.effects.base import Context
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.effects.registry import find_effect
@@ -15,25 +24,33 @@ from usmbench.model.extended import Applied, extended_run
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
 from usmbench.runs.record import Record
 
-_WINDOW_S, _NOISE_RAD_S = 0.01, 0.02
+_WINDOW_S, _NOISE_RAD_S, _SLIP_RAD_S = 0.01, 0.02, 8.0
 _CURVE = StaticCurve(
     np.array([-90.0, -60, -30, -15, -8, -3, 3, 8, 15, 30, 60, 90]),
     np.array([-10.3, -10.1, -8, 0, 0, 0, 0, 0, 0, 8, 10.2, 10.4]),
 )
 
 
-def motor() -> HammersteinModel:
+def motor(*, limited: bool = False) -> HammersteinModel:
     point = OperatingPoint(None, None, _CURVE, (-90.0, 90.0), (-10.0, 10.0), _NOISE_RAD_S)
-    return HammersteinModel(first_order(0.0035, 0.0015, _WINDOW_S), (point,), "fast")
+    lag = first_order(0.0035, 0.0015, _WINDOW_S)
+    linear = replace(lag, slip_limit_rad_s=_SLIP_RAD_S if limited else None)
+    return HammersteinModel(linear, (point,), "fast")
 
 
-def run(n_windows: int) -> Record:
+def identified(of: HammersteinModel) -> HammersteinModel:
+    """Return the model of two runs of a motor with nothing wrong."""
+    references = [run(n_windows, of, 0.0) for n_windows in (3000, 3001)]
+    return with_knowledge(identify_fast(references, FastOptions()).model, references)
+
+
+def run(n_windows: int, of: HammersteinModel, asymmetry: float = 0.02) -> Record:
     """Return a run in which one direction is faster than the simulation says."""
     rng = np.random.default_rng(n_windows)
     phase_deg = np.repeat(rng.uniform(-88.0, 88.0, n_windows // 5 + 1), 5)[:n_windows]
     t_s = _WINDOW_S * np.arange(1.0, n_windows + 1.0)
-    context = Context(t_s, _WINDOW_S, phase_deg, _CURVE.speed_rad_s, motor().linear)
-    effect = Applied(find_effect("gain_asymmetry", "balanced"), {"asymmetry": 0.02})
+    context = Context(t_s, _WINDOW_S, phase_deg, _CURVE.speed_rad_s, of.linear)
+    effect = Applied(find_effect("gain_asymmetry", "balanced"), {"asymmetry": asymmetry})
     speed = extended_run([effect], context).speed_rad_s
     noisy = speed + _NOISE_RAD_S * rng.standard_normal(n_windows)
     return Record("run", t_s, phase_deg, noisy, np.full(n_windows, _WINDOW_S))
@@ -42,11 +59,14 @@ def run(n_windows: int) -> Record:
 def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--windows", type=int, nargs="+", default=[10_000, 100_000, 1_000_000])
+    parser.add_argument("--identified", action="store_true", help="with an identified model")
+    parser.add_argument("--limited", action="store_true", help="of a motor with a torque limit")
     parser.add_argument("--small", action="store_true", help="2000 windows only")
     arguments = parser.parse_args(argv)
     print("  windows    CPU s   wall s   peak MB  verdict    cause")
     for n_windows in [2000] if arguments.small else arguments.windows:
-        record, model = run(n_windows), motor()
+        plain = motor(limited=arguments.limited)
+        record, model = run(n_windows, plain), identified(plain) if arguments.identified else plain
         wall_s, cpu_s = time.monotonic(), time.process_time()
         found = diagnose([record], model)
         cpu_s, wall_s = time.process_time() - cpu_s, time.monotonic() - wall_s

@@ -18,6 +18,7 @@ _TOLERANCE = 1e-3
 _LEAPS, _STRIDES = 4, (0.5, 0.7, 0.85, 0.95, 1.05, 1.2, 1.4, 2.0)
 _STEP_SHARE = 0.05  # of the typical size, for derivatives
 _EDGE_95 = 3.84  # 95 % of chi-squared with one degree of freedom
+_WIDER, _HALVINGS, _FOLLOWING = 16, 6, 2
 
 
 def refine(problem: Problem, fit: Fit) -> Fit:
@@ -99,14 +100,15 @@ def intervals(problem: Problem, fit: Fit) -> list[dict[str, tuple[float, float]]
     theta = joint.vector(fit.effects)
     if theta.size == 0:
         return [{} for _ in fit.effects]
-    here = joint.left(theta)
     jacobian = joint.jacobian(theta)
     covariance = np.linalg.pinv(jacobian.T @ jacobian)
     half = np.sqrt(_EDGE_95 * np.maximum(np.diag(covariance), 0.0))
     low, high = joint.clipped(theta - half), joint.clipped(theta + half)
-    for k in range(theta.size):
-        if joint.parameters[k].scanned or not half[k] > 0.0:
-            low[k], high[k] = (joint.edge(theta, k, side, float(here @ here)) for side in (-1, 1))
+    for k, p in enumerate(joint.parameters):
+        if p.scanned or not half[k] > 0.0:
+            step = min(half[k], p.typical) if half[k] > 0.0 else 0.1 * p.typical
+            profile = _Profile(joint, theta, k)
+            low[k], high[k] = (profile.edge(side * step) for side in (-1.0, 1.0))
     found, at = [], 0
     for applied in fit.effects:
         own = applied.effect.parameters
@@ -155,25 +157,47 @@ class _Joint:
             slopes.append([(b - t) / step for t, b in zip(there, base, strict=True)])
         return self._problem.carried([np.column_stack(part) for part in zip(*slopes, strict=True)])
 
-    def edge(self, theta: Array, k: int, side: int, dev: float) -> float:
-        """Where the deviance has risen by 3.84 on one side, the others held."""
-        p = self.parameters[k]
-        bound = p.low if side < 0 else p.high
 
-        def rise(value: float) -> float:
-            moved = theta.copy()
-            moved[k] = value
-            left = self.left(moved)
-            return float(left @ left) - dev
+class _Profile:
+    """The deviance over one parameter, the others at their best for each of its values."""
 
-        step = 0.02 * p.typical
-        inside = outside = float(theta[k])
-        for _ in range(24):
-            outside = float(np.clip(theta[k] + side * step, p.low, p.high))
-            if outside == bound or rise(outside) > _EDGE_95:
+    def __init__(self, joint: _Joint, theta: Array, k: int):
+        self._joint, self._theta, self._k = joint, theta, k
+        here = joint.left(theta)
+        self._least = float(here @ here)
+
+    def edge(self, step: float) -> float:
+        """Return where the deviance has risen by 3.84 on the side that a first step leads to."""
+        p, start = self._joint.parameters[self._k], float(self._theta[self._k])
+        inside = outside = start
+        theta = self._theta
+        for _ in range(_WIDER):
+            outside = float(np.clip(start + step, p.low, p.high))
+            risen, best = self._rise(theta, outside)
+            if risen > _EDGE_95 or outside in (p.low, p.high):
                 break
-            inside, step = outside, 1.7 * step
-        for _ in range(6):
+            inside, theta, step = outside, best, 2.0 * step
+        for _ in range(_HALVINGS):
             middle = 0.5 * (inside + outside)
-            inside, outside = (inside, middle) if rise(middle) > _EDGE_95 else (middle, outside)
+            risen, best = self._rise(theta, middle)
+            if risen > _EDGE_95:
+                outside = middle
+            else:
+                inside, theta = middle, best
         return outside
+
+    def _rise(self, theta: Array, value: float) -> tuple[float, Array]:
+        """Move one parameter, and the others after it; return the deviance's rise, and where."""
+        joint, moved = self._joint, theta.copy()
+        moved[self._k] = value
+        here = joint.left(moved)
+        dev = float(here @ here)
+        for _ in range(_FOLLOWING if theta.size > 1 else 0):
+            jacobian = np.delete(joint.jacobian(moved), self._k, axis=1)
+            step = np.insert(-np.linalg.lstsq(jacobian, here, rcond=None)[0], self._k, 0.0)
+            there = joint.clipped(moved + step)
+            left = joint.left(there)
+            if float(left @ left) >= dev:
+                break
+            moved, here, dev = there, left, float(left @ left)
+        return dev - self._least, moved
