@@ -27,7 +27,6 @@ Array = NDArray[np.float64]
 REFERENCE_S: Final = 40.0
 SMALL_REFERENCE_S: Final = 12.0
 _BESIDE_HZ: Final = (-25.0, 0.0, 25.0)  # near enough for the slope, far enough for the noise
-_LONGER: Final = 1.5
 _FRESH: Final = 5000
 _HEALTHY: Final = 700
 _FAR: Final = 6.0
@@ -47,8 +46,8 @@ class MotorBench:
     motor
         The motor.
     reference_s
-        Duration of each of the four runs at the drive frequencies; the two at these and their
-        neighbours, which show the slope of the resonance curve, are half as long again.
+        Duration of each of the runs that it is identified on: four at the drive frequencies, four
+        at these and their neighbours, which show the slope of the resonance curve.
     """
 
     def __init__(self, runs: Path, folder: Path, motor: Motor, reference_s: float = REFERENCE_S):
@@ -160,11 +159,11 @@ def _healthy(reference_s: float) -> Iterator[Excited]:
     """
     near_hz = tuple(f + step_hz for f in FREQUENCIES_HZ for step_hz in _BESIDE_HZ)
     runs = [
-        *((kind, reference_s, FREQUENCIES_HZ) for kind in (*PLANS, PLANS[0])),
-        *(("multisine", _LONGER * reference_s, near_hz) for _ in range(2)),
+        *((kind, FREQUENCIES_HZ) for kind in (*PLANS, PLANS[0])),
+        *(("multisine", near_hz) for _ in range(4)),
     ]
-    for k, (kind, duration_s, frequencies_hz) in enumerate(runs):
-        yield Excited(kind, duration_s, 900 + k, frequencies_hz[:: -1 if k % 2 else 1])
+    for k, (kind, frequencies_hz) in enumerate(runs):
+        yield Excited(kind, reference_s, 900 + k, frequencies_hz[:: -1 if k % 2 else 1])
 
 
 def _error(model: Path, record: Record) -> tuple[Array, NDArray[np.bool_]]:

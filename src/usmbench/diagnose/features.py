@@ -97,7 +97,7 @@ class Features:
             _PHASE_NODES,
             _TIME_NODES - 1,
             2,
-            0 if self.steepest_rad_s is None else _TIME_NODES + 2,
+            0 if self.steepest_rad_s is None else _TIME_NODES + 3,
             _EDGE_NODES - 1,
             *(n * n for n in _CELLS),
             KINDS * len(_CREEP) + 1,
@@ -131,6 +131,9 @@ class Features:
             moved = _detuned(stretch) / self.steepest_rad_s
             yield moved
             yield from self._warming(stretch, moved)
+            # The vibration heats, not the speed: it hangs on the frequency alone.
+            vibration = _highest_rad_s(stretch) / self.top_rad_s
+            yield moved * np.cumsum(vibration**2 - 1.0) * stretch.context.window_s / self.end_s
         wider = widening(stretch)
         yield from (column * wider for column in self._over_time(stretch, _EDGE_NODES))
         yield from self._after_steps(stretch)
@@ -221,14 +224,7 @@ def features_of(stretches: Sequence[Stretch]) -> Features:
     table_deg = np.linspace(
         min(p.min() for p in phase_deg), max(p.max() for p in phase_deg), _TABLE
     )
-    # One row's operating point stands for all: the nodes need not be at their best.
-    first = stretches[0].context
-    speeds = np.concatenate(
-        [
-            first.settled_rad_s(np.resize(part, first.n))[: part.size]
-            for part in np.array_split(table_deg, -(-_TABLE // first.n))
-        ]
-    )
+    speeds = [_at_point(stretches, k, table_deg) for k in range(len(stretches[0].points))]
     return Features(
         phase_nodes(table_deg, speeds),
         max(max(float(np.max(np.abs(s.settled_rad_s))) for s in stretches), 1e-9),
@@ -238,18 +234,30 @@ def features_of(stretches: Sequence[Stretch]) -> Features:
     )
 
 
-def phase_nodes(phase_deg: Array, speed_rad_s: Array) -> tuple[float, ...]:
+def _at_point(stretches: Sequence[Stretch], point: int, phase_deg: Array) -> Array:
+    """Settled speeds at phases at the rows that are nearest to an operating point."""
+    nearest = max(stretches, key=lambda s: float(np.sum(s.points[point])))
+    rows = np.argsort(-nearest.points[point], kind="stable")[: max(nearest.context.n // 4, 1)]
+    speeds = []
+    for part in np.array_split(phase_deg, -(-phase_deg.size // rows.size)):
+        asked_deg = nearest.context.phase_deg.copy()
+        asked_deg[rows[: part.size]] = part
+        speeds.append(nearest.context.settled_rad_s(asked_deg)[rows[: part.size]])
+    return np.concatenate(speeds)
+
+
+def phase_nodes(phase_deg: Array, speeds_rad_s: Sequence[Array]) -> tuple[float, ...]:
     """Return nodes that share out the phases, the changes of speed, and the bends.
 
     Parameters
     ----------
     phase_deg
         Phases, evenly spaced and rising, shape (N,).
-    speed_rad_s
-        Settled speeds there, shape (N,).
+    speeds_rad_s
+        Settled speeds there at each operating point, shape (N,) each.
     """
-    path = np.cumsum(np.abs(np.diff(speed_rad_s, prepend=speed_rad_s[:1])))
-    bend = np.cumsum(np.abs(np.gradient(np.gradient(speed_rad_s))))
+    path = np.cumsum(sum(np.abs(np.diff(s, prepend=s[:1])) for s in speeds_rad_s))
+    bend = np.cumsum(sum(np.abs(np.gradient(np.gradient(s))) for s in speeds_rad_s))
     along = np.linspace(0.0, 1.0, phase_deg.size)
     for part in (path, bend):
         along = along + part / max(float(part[-1]), 1e-12)
@@ -296,6 +304,13 @@ def widening(stretch: Stretch) -> Array:
     moved = context.settled_rad_s(context.phase_deg - way)
     linear = context.linear
     return from_rest(linear.b, linear.a, linear.dead_time_windows, moved - stretch.settled_rad_s)
+
+
+def _highest_rad_s(stretch: Stretch) -> Array:
+    """Return the highest speed at each row's operating point, over the phases of the stretch."""
+    context = stretch.context
+    top_deg = context.phase_deg[np.argmax(np.abs(stretch.settled_rad_s))]
+    return np.abs(context.settled_rad_s(np.full(context.n, top_deg)))
 
 
 def _detuned(stretch: Stretch) -> Array:

@@ -176,7 +176,7 @@ def _cautious(model: HammersteinModel) -> Knowledge:
     high_deg = max(p.phase_range_deg[1] for p in model.points)
     table_deg = np.linspace(low_deg, high_deg, _TABLE)
     features = Features(
-        phase_nodes(table_deg, model.points[0].curve.speed_rad_s(table_deg)),
+        phase_nodes(table_deg, [p.curve.speed_rad_s(table_deg) for p in model.points]),
         max(max(float(np.max(np.abs(p.curve.delta))) for p in model.points), 1e-9),
         1.0,
         len(model.points),

@@ -67,8 +67,8 @@ def detuning_weights(
 ) -> tuple[Array, ...] | None:
     """Return by how much each point's curve counts in f ∂v/∂f on every row, shape (N,) each.
 
-    A point's slope is the mean of those to its neighbours in frequency, weighed by the inverse
-    square of their distance: central where they are as far, and else that of the nearer.
+    A point's slope is that of the parabola through it and its two nearest neighbours in frequency;
+    of the line where there is one only.
 
     Parameters
     ----------
@@ -84,30 +84,29 @@ def detuning_weights(
     """
     table = np.zeros((len(points), len(points)))
     for i, point in enumerate(points):
-        beside = _beside(points, i)
-        if not beside:
+        steps_hz = _nearest(points, i)
+        if not steps_hz:
             return None
-        nearness = sum(step_hz**-2 for _, step_hz in beside)
-        for k, step_hz in beside:
-            share = float(point.frequency_hz or 0.0) * step_hz**-3 / nearness
-            table[i, k] += share
-            table[i, i] -= share
+        for k, step_hz in steps_hz.items():
+            others = [other for j, other in steps_hz.items() if j != k]
+            share = np.prod([other / (other - step_hz) for other in others]) / step_hz
+            table[i, k] = share * float(point.frequency_hz or 0.0)
+        table[i, i] = -table[i].sum()
     return tuple(table.T @ np.array(weights))
 
 
-def _beside(points: Sequence[OperatingPoint], i: int) -> list[tuple[int, float]]:
-    """Nearest points below and above in frequency at the same torque, and how far they are."""
+def _nearest(points: Sequence[OperatingPoint], i: int) -> dict[int, float]:
+    """Frequency of a point's nearest neighbours at its torque, less its own; two at most."""
     here = points[i]
     steps_hz = {
         k: point.frequency_hz - here.frequency_hz
         for k, point in enumerate(points)
         if point.frequency_hz is not None
         and here.frequency_hz is not None
+        and point.frequency_hz != here.frequency_hz
         and point.torque_nm == here.torque_nm
     }
-    below = [(k, step_hz) for k, step_hz in steps_hz.items() if step_hz < 0.0]
-    above = [(k, step_hz) for k, step_hz in steps_hz.items() if step_hz > 0.0]
-    return [min(side, key=lambda pair: abs(pair[1])) for side in (below, above) if side]
+    return dict(sorted(steps_hz.items(), key=lambda step: abs(step[1]))[:2])
 
 
 def _weights_of(nodes: Array, asked: Array) -> tuple[Array, NDArray[np.bool_]]:

@@ -33,12 +33,22 @@ def test_a_straight_resonance_curve_has_its_slope_everywhere(
     assert np.allclose(found, slope * asked_hz, rtol=1e-6, atol=1e-6)
 
 
+def test_a_parabola_has_its_slope_at_the_end_and_in_the_middle() -> None:
+    frequencies_hz = np.array([40_000.0, 40_025.0, 40_060.0, 41_000.0])
+    points = _points(*((float(f), 0.0) for f in frequencies_hz))
+    slopes = detuning_weights(points, list(np.eye(4)))
+    assert slopes is not None
+    bent = 3.0 + 0.01 * (frequencies_hz - 40_010.0) ** 2
+    found = sum(w * v for w, v in zip(slopes, bent, strict=True))
+    assert np.allclose(found, frequencies_hz * 0.02 * (frequencies_hz - 40_010.0))
+
+
 def test_the_nearer_neighbour_says_more() -> None:
     points = _points((40_000.0, 0.0), (40_010.0, 0.0), (41_000.0, 0.0))
     slopes = detuning_weights(points, [np.zeros(1), np.ones(1), np.zeros(1)])
     assert slopes is not None
     left, right = slopes[0][0], slopes[2][0]
-    assert abs(left) > 1e4 * abs(right)
+    assert abs(left) > 1e3 * abs(right)
 
 
 @pytest.mark.parametrize(
