@@ -11,6 +11,7 @@ _MEND = "Read the generator's phase register back, and check how many of its bit
 _COARSEST_DEG = 60.0
 _FINEST_DEG = 0.7
 _MANY = 100
+_MEANT = 1e-3
 _SAME_STEP = 1e-9  # a commanded multiple must not fall below itself by rounding
 # Registers with n values, and round numbers of degrees.
 _USUAL_DEG = sorted(
@@ -20,6 +21,12 @@ _USUAL_DEG = sorted(
         *(12, 15, 18, 20, 24, 30, 36, 40, 60),
     }
 )
+
+
+def _exact_deg(step_deg: float) -> float:
+    """Return the usual step that is meant: phases on one grid must stay on a multiple of it."""
+    nearest_deg = min(_USUAL_DEG, key=lambda usual: abs(usual - step_deg))
+    return nearest_deg if abs(step_deg - nearest_deg) < _MEANT * nearest_deg else step_deg
 
 
 def _many_phases(contexts: Sequence[Context]) -> bool:
@@ -45,7 +52,7 @@ class RoundedPhase(Effect):
         signal, context, values
             As in `Effect.apply`.
         """
-        step_deg = values["step_deg"]
+        step_deg = _exact_deg(values["step_deg"])
         return signal if step_deg <= 0.0 else step_deg * self._whole(signal / step_deg)
 
     def _whole(self, steps: Array) -> Array:
