@@ -15,6 +15,9 @@ from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
 
 SIGNIFICANT = 0.01  # family-wise; with the omnibus test beside it, false alarms stay below 5 %
+# What no covariance knows of a model's error does not average out over a longer run: less than this
+# drop of the deviance a window, an effect of a seventh of the noise's rms, has no name.
+LEAST_DROP = 0.02
 PLAINLY = 1e-3  # that the views together show something
 _REFINED = 8
 _SAME = 0.5
