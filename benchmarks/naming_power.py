@@ -43,7 +43,7 @@ MECHANISMS = (
 MULTIPLES = (1.0, 1.5, 2.5, 5.0)
 _LENGTH = float(norm.isf(0.025) + norm.isf(0.1))
 _GOAL = 1.5
-_LARGE = 10.0
+_LARGE, _ROUNDS = 10.0, 4
 
 
 class Power:
@@ -69,10 +69,12 @@ class Power:
 
     def told_size(self, mechanism: str) -> float:
         """Return the size at which the test that is told the form has a power of 90 %."""
-        # From a large effect: a small one drowns in the counts that a change as small as one
-        # likes moves from one window to the next.
-        large = _LARGE * CATALOGUE[mechanism].typical
-        return large * _LENGTH / self._length(mechanism, large)
+        # From an effect some times as large: a small one drowns in the counts that a change as
+        # small as one likes moves from one window to the next. Not all grow with their size alike.
+        size = CATALOGUE[mechanism].typical
+        for _ in range(_ROUNDS):
+            size *= _LARGE * _LENGTH / self._length(mechanism, _LARGE * size)
+        return size
 
     def _length(self, mechanism: str, size: float) -> float:
         effect = self._bench.effect_rad_s(self._excited, 0, (CATALOGUE[mechanism](size),))

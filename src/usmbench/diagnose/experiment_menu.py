@@ -47,6 +47,13 @@ class Experiment:
         """The checked plan."""
         return parse_plan(Source("the proposed plan", self.document))
 
+    @property
+    def hold_windows(self) -> int:
+        """Windows for which each phase is held at least."""
+        free = self.document.get("excitation")
+        held: int = self.document["dwell"]["windows"] if free is None else free["hold_windows"]
+        return held
+
     def repeated(self, times: int) -> "Experiment":
         """Return the same experiment, several times as long.
 

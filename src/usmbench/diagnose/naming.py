@@ -23,9 +23,9 @@ _REFINED = 8
 _SAME = 0.5
 TELLING = 9.2  # deviance between two causes that data can tell: 99 % of chi-squared with two
 # What else the model misses decides between causes this near, and not the cause: a share of little
-# evidence (with 0.05 a delay in a triangle came out as hysteresis alone, see
+# evidence (with 0.1 a delay in a triangle came out as hysteresis alone, see
 # benchmarks/next_experiment.py), of much evidence an amount and what a form of an effect is off by.
-_SIMILAR = 0.1
+_SIMILAR = 0.15
 _MISFIT, _OFF = 50.0, 0.03
 _ONE_WAY = 2.0 * math.log(2.0)  # a parameter with one sign is given half the room beforehand
 _SECOND_SHARE = 0.01

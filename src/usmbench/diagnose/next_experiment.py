@@ -44,6 +44,7 @@ _SUGGESTIVE = 0.2  # family-wise probability below which an effect is worth anot
 _ENOUGH = 0.95
 _WORTH = 0.05  # odds that an experiment must add
 _LONGER = (2, 4)
+_HELD_WINDOWS = 10
 _LEAST_DISTANCE = 1e-3
 
 
@@ -127,10 +128,10 @@ def propose(
     if None not in question.rivals:
         # These runs did not tell them apart, whatever the simulation promised: a guess is left.
         before = min(before, 1.0 / len(question.rivals))
-    best, margin = max(
-        ((experiment, design.margin(experiment)) for experiment in menu(where)),
-        key=lambda pair: pair[1],
-    )
+    # A model is surest of phases that are held: of restless commands its runs taught it little.
+    best, margin = _best(design, [e for e in menu(where) if e.hold_windows >= _HELD_WINDOWS])
+    if _odds(margin) < _ENOUGH:
+        best, margin = _best(design, menu(where))
     chosen = best
     for times in _LONGER:
         if _odds(margin) >= _ENOUGH:
@@ -202,6 +203,11 @@ class _Design:
         needed = telling_deviance(as_true.deviance / self._spread**2)
         # The difference of two deviances is normal: mean distance², deviation 2·distance.
         return (distance**2 - needed) / (2.0 * max(distance, _LEAST_DISTANCE))
+
+
+def _best(design: _Design, experiments: Sequence[Experiment]) -> tuple[Experiment, float]:
+    """Return the experiment under which the closest two lie farthest apart, and how far."""
+    return max(((e, design.margin(e)) for e in experiments), key=lambda pair: pair[1])
 
 
 def _odds(margin: float) -> float:

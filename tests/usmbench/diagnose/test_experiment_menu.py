@@ -45,6 +45,8 @@ def test_every_plan_is_one_that_sweep_takes_and_stays_in_range(
         assert run.phase_deg.max() <= where.high_deg, experiment.says
         duration_s = float(run.t_s[-1]) / len(experiment.plan.torque_nm)
         assert 0.7 * DURATION_S < duration_s < 1.4 * DURATION_S, experiment.says
+        changes = np.flatnonzero(np.diff(run.phase_deg))
+        assert np.diff(changes).min() >= experiment.hold_windows, experiment.says
 
 
 def test_the_runs_own_operating_point_comes_first(model: HammersteinModel) -> None:
