@@ -128,7 +128,7 @@ class Features:
         if self.steepest_rad_s is not None:
             # A shift that is there from the start is none of the phases': its sign differs
             # between the sides of the resonance.
-            moved = _detuned(stretch) / self.steepest_rad_s
+            moved = detuned_rad_s(stretch) / self.steepest_rad_s
             yield moved
             yield from self._warming(stretch, moved)
             # The vibration heats, not the speed: it hangs on the frequency alone.
@@ -313,8 +313,14 @@ def _highest_rad_s(stretch: Stretch) -> Array:
     return np.abs(context.settled_rad_s(np.full(context.n, top_deg)))
 
 
-def _detuned(stretch: Stretch) -> Array:
-    """Return the change of speed with the relative drive frequency."""
+def detuned_rad_s(stretch: Stretch) -> Array:
+    """Return the change of speed with the relative drive frequency, 0 where it is not known.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
     context, detuning_rad_s = stretch.context, stretch.context.detuning_rad_s
     if detuning_rad_s is None:
         return np.zeros(context.n)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.features import Features, phase_nodes, widening
+from usmbench.diagnose.features import Features, detuned_rad_s, phase_nodes, widening
 from usmbench.diagnose.noise import Noise, noise_from_mapping
 from usmbench.diagnose.stretches import Stretch
 from usmbench.diagnose.triangle_text import triangle_of, triangle_text
@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 KEY = "diagnosis"
 LEAST_GAIN = 3e-4  # repeatability that one run cannot show
 LEAST_DEAD_ZONE_DEG = 0.01
+_RESONANCE = 3e-6  # by which a fifth of a kelvin moves it: no bench starts warmer by less
 _CAUTIOUS_CURVE = 0.2  # of the model's noise, at each node
 _CAUTIOUS_LAG = 0.02
 _TABLE = 2001
@@ -95,7 +96,13 @@ class Knowledge:
         root = self.root[:, np.any(self.root != 0.0, axis=0)]
         found = []
         for s in stretches:
-            own = np.column_stack([self.gain * s.simulated_rad_s, self.dead_zone_deg * widening(s)])
+            own = np.column_stack(
+                [
+                    self.gain * s.simulated_rad_s,
+                    self.dead_zone_deg * widening(s),
+                    _RESONANCE * detuned_rad_s(s),
+                ]
+            )
             wander = [own * (s.run == run) for run in runs]
             found.append(
                 np.hstack([np.column_stack(list(self.features.columns(s))) @ root, *wander])
