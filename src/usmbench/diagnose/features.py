@@ -27,12 +27,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.noise import KINDS, LAGS, step_kind
+from usmbench.diagnose.shapes import (
+    PHASE_NODES,
+    detuned_rad_s,
+    hats,
+    highest_rad_s,
+    phase_nodes,
+    widening,
+)
 from usmbench.diagnose.stretches import Stretch
-from usmbench.model.linear import from_rest
 
 Array = NDArray[np.float64]
 
-_PHASE_NODES, _TIME_NODES, _EDGE_NODES = 49, 8, 4
+_TIME_NODES, _EDGE_NODES = 8, 4
 _TABLE = 2001
 _CELLS = (7, 5, 3, 2, 2, 2)  # nodes along each speed at each lag
 _CREEP = (0.01, 0.03)  # speeds near standstill, as shares of the highest
@@ -93,8 +100,8 @@ class Features:
     def groups(self) -> list[str]:
         """Group of every column, in the order of `columns`."""
         counts = [
-            _PHASE_NODES * self.n_points,
-            _PHASE_NODES,
+            PHASE_NODES * self.n_points,
+            PHASE_NODES,
             _TIME_NODES - 1,
             2,
             0 if self.steepest_rad_s is None else _TIME_NODES + 3,
@@ -132,7 +139,7 @@ class Features:
             yield moved
             yield from self._warming(stretch, moved)
             # The vibration heats, not the speed: it hangs on the frequency alone.
-            vibration = _highest_rad_s(stretch) / self.top_rad_s
+            vibration = highest_rad_s(stretch) / self.top_rad_s
             yield moved * np.cumsum(vibration**2 - 1.0) * stretch.context.window_s / self.end_s
         wider = widening(stretch)
         yield from (column * wider for column in self._over_time(stretch, _EDGE_NODES))
@@ -246,25 +253,6 @@ def _at_point(stretches: Sequence[Stretch], point: int, phase_deg: Array) -> Arr
     return np.concatenate(speeds)
 
 
-def phase_nodes(phase_deg: Array, speeds_rad_s: Sequence[Array]) -> tuple[float, ...]:
-    """Return nodes that share out the phases, the changes of speed, and the bends.
-
-    Parameters
-    ----------
-    phase_deg
-        Phases, evenly spaced and rising, shape (N,).
-    speeds_rad_s
-        Settled speeds there at each operating point, shape (N,) each.
-    """
-    path = np.cumsum(sum(np.abs(np.diff(s, prepend=s[:1])) for s in speeds_rad_s))
-    bend = np.cumsum(sum(np.abs(np.gradient(np.gradient(s))) for s in speeds_rad_s))
-    along = np.linspace(0.0, 1.0, phase_deg.size)
-    for part in (path, bend):
-        along = along + part / max(float(part[-1]), 1e-12)
-    nodes = np.interp(np.linspace(0.0, along[-1], _PHASE_NODES), along, phase_deg)
-    return tuple(float(f"{node:.6g}") for node in nodes)
-
-
 def _steepest_rad_s(stretches: Sequence[Stretch]) -> float | None:
     """Largest change of the speed with the relative drive frequency, where it is known."""
     changes = [
@@ -273,57 +261,3 @@ def _steepest_rad_s(stretches: Sequence[Stretch]) -> float | None:
         if s.context.detuning_rad_s is not None
     ]
     return max(changes) if changes and min(changes) > 0.0 else None
-
-
-def hats(values: Array, nodes: Array) -> Iterator[Array]:
-    """Yield the hat function of each node, held beyond the last ones.
-
-    Parameters
-    ----------
-    values
-        Where, shape (N,).
-    nodes
-        Rising.
-    """
-    left = np.clip(np.searchsorted(nodes, values, side="right") - 1, 0, nodes.size - 2)
-    share = np.clip((values - nodes[left]) / (nodes[left + 1] - nodes[left]), 0.0, 1.0)
-    for k in range(nodes.size):
-        yield np.where(left == k, 1.0 - share, 0.0) + np.where(left == k - 1, share, 0.0)
-
-
-def widening(stretch: Stretch) -> Array:
-    """Return the change of speed for each degree by which the dead zone widens on both sides.
-
-    Parameters
-    ----------
-    stretch
-        The stretch.
-    """
-    context = stretch.context
-    way = np.sign(context.phase_deg)
-    moved = context.settled_rad_s(context.phase_deg - way)
-    linear = context.linear
-    return from_rest(linear.b, linear.a, linear.dead_time_windows, moved - stretch.settled_rad_s)
-
-
-def _highest_rad_s(stretch: Stretch) -> Array:
-    """Return the highest speed at each row's operating point, over the phases of the stretch."""
-    context = stretch.context
-    top_deg = context.phase_deg[np.argmax(np.abs(stretch.settled_rad_s))]
-    return np.abs(context.settled_rad_s(np.full(context.n, top_deg)))
-
-
-def detuned_rad_s(stretch: Stretch) -> Array:
-    """Return the change of speed with the relative drive frequency, 0 where it is not known.
-
-    Parameters
-    ----------
-    stretch
-        The stretch.
-    """
-    context, detuning_rad_s = stretch.context, stretch.context.detuning_rad_s
-    if detuning_rad_s is None:
-        return np.zeros(context.n)
-    linear = context.linear
-    changed = detuning_rad_s(context.phase_deg)
-    return from_rest(linear.b, linear.a, linear.dead_time_windows, changed)

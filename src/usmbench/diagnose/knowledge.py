@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.features import Features, detuned_rad_s, phase_nodes, widening
+from usmbench.diagnose.features import Features
 from usmbench.diagnose.noise import Noise, noise_from_mapping
+from usmbench.diagnose.shapes import detuned_rad_s, phase_nodes, widening
 from usmbench.diagnose.stretches import Stretch
 from usmbench.diagnose.triangle_text import triangle_of, triangle_text
 from usmbench.errors import InputError

@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from usmbench.diagnose.features import Features, features_of, widening
+from usmbench.diagnose.features import Features, features_of
 from usmbench.diagnose.knowledge import KEY, LEAST_DEAD_ZONE_DEG, LEAST_GAIN, Knowledge
 from usmbench.diagnose.naming import rank
 from usmbench.diagnose.noise import Noise, estimate_noise
 from usmbench.diagnose.problem import Problem
+from usmbench.diagnose.shapes import widening
 from usmbench.diagnose.spikes import PLAIN, count_steady, spiked
 from usmbench.diagnose.stretches import Mask, Stretch, cut_runs
 from usmbench.errors import InputError

@@ -1,0 +1,92 @@
+"""What the shapes of a known residual are made of: hats over nodes, and what a change would do."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.diagnose.stretches import Stretch
+from usmbench.model.linear import from_rest
+
+Array = NDArray[np.float64]
+
+PHASE_NODES = 49
+
+
+def phase_nodes(phase_deg: Array, speeds_rad_s: Sequence[Array]) -> tuple[float, ...]:
+    """Return nodes that share out the phases, the changes of speed, and the bends.
+
+    Parameters
+    ----------
+    phase_deg
+        Phases, evenly spaced and rising, shape (N,).
+    speeds_rad_s
+        Settled speeds there at each operating point, shape (N,) each.
+    """
+    path = np.cumsum(sum(np.abs(np.diff(s, prepend=s[:1])) for s in speeds_rad_s))
+    bend = np.cumsum(sum(np.abs(np.gradient(np.gradient(s))) for s in speeds_rad_s))
+    along = np.linspace(0.0, 1.0, phase_deg.size)
+    for part in (path, bend):
+        along = along + part / max(float(part[-1]), 1e-12)
+    nodes = np.interp(np.linspace(0.0, along[-1], PHASE_NODES), along, phase_deg)
+    return tuple(float(f"{node:.6g}") for node in nodes)
+
+
+def hats(values: Array, nodes: Array) -> Iterator[Array]:
+    """Yield the hat function of each node, held beyond the last ones.
+
+    Parameters
+    ----------
+    values
+        Where, shape (N,).
+    nodes
+        Rising.
+    """
+    left = np.clip(np.searchsorted(nodes, values, side="right") - 1, 0, nodes.size - 2)
+    share = np.clip((values - nodes[left]) / (nodes[left + 1] - nodes[left]), 0.0, 1.0)
+    for k in range(nodes.size):
+        yield np.where(left == k, 1.0 - share, 0.0) + np.where(left == k - 1, share, 0.0)
+
+
+def widening(stretch: Stretch) -> Array:
+    """Return the change of speed for each degree by which the dead zone widens on both sides.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    context = stretch.context
+    way = np.sign(context.phase_deg)
+    moved = context.settled_rad_s(context.phase_deg - way)
+    linear = context.linear
+    return from_rest(linear.b, linear.a, linear.dead_time_windows, moved - stretch.settled_rad_s)
+
+
+def highest_rad_s(stretch: Stretch) -> Array:
+    """Return the highest speed at each row's operating point, over the phases of the stretch.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    context = stretch.context
+    top_deg = context.phase_deg[np.argmax(np.abs(stretch.settled_rad_s))]
+    return np.abs(context.settled_rad_s(np.full(context.n, top_deg)))
+
+
+def detuned_rad_s(stretch: Stretch) -> Array:
+    """Return the change of speed with the relative drive frequency, 0 where it is not known.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    context, detuning_rad_s = stretch.context, stretch.context.detuning_rad_s
+    if detuning_rad_s is None:
+        return np.zeros(context.n)
+    linear = context.linear
+    changed = detuning_rad_s(context.phase_deg)
+    return from_rest(linear.b, linear.a, linear.dead_time_windows, changed)
