@@ -19,7 +19,6 @@ _MARGIN = 5  # windows beyond the memory of the dynamics
 _BLOCKS = 12
 _DRAWS = 400
 _SEED = 1
-_HARDLY = 3.0  # times the usual uncertainty of a row: hardly foreseen
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +45,8 @@ class Gain:
 def held_out_gain(problem: Problem, fit: Fit, *, sporadic: bool = False) -> Gain:
     """Score effects on blocks that their values were not fitted on, beside the model as given.
 
-    Rows that stand alone count neither before nor after, nor do those that the model is known to
-    foresee badly: whether a motor starts in one window or in the next may hang on nothing at all.
+    Rows that stand alone count neither before nor after: whether a motor starts in one window or
+    in the next may hang on nothing at all.
 
     Parameters
     ----------
@@ -70,9 +69,8 @@ def held_out_gain(problem: Problem, fit: Fit, *, sporadic: bool = False) -> Gain
         problem.stretches, held, problem.masks, blocks, strict=True
     ):
         level = problem.noise.level_rad_s(stretch)
-        foreseen = stretch.use & (level < _HARDLY * np.median(level))
-        scored = foreseen & mask
-        plain = foreseen if sporadic else scored
+        scored = stretch.use & mask
+        plain = stretch.use if sporadic else scored
         sums.append(
             np.array(
                 [
