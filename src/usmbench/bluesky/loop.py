@@ -199,7 +199,8 @@ class BenchLoop:
 
     def _answer(self, change: Change | None, status: DeviceStatus) -> None:
         if change is None:
-            self._drive_off()
+            self._commands.rest()
+            self._setting = replace(self._setting, phase_deg=0.0, drive_on=0)
             self._measurement = None
             self._failing.clear()
         elif self._trip is not None:
@@ -211,10 +212,6 @@ class BenchLoop:
                 self._commands.apply(setting)
             self._setting = setting
         status.end()
-
-    def _drive_off(self) -> None:
-        self._commands.rest()
-        self._setting = replace(self._setting, phase_deg=0.0, drive_on=0)
 
     def _window(self) -> None:
         measurement = self._measurement
@@ -245,7 +242,9 @@ class BenchLoop:
 
     def _tripped(self, error: BenchError) -> None:
         """Switch off, tell the suspenders, and have what is under way fail a little later."""
-        self._drive_off()
+        self._commands.rest()
+        # The plan may yet read what a speed was measured at that is done.
+        self._setting = replace(self._setting, drive_on=0)
         # Just switched off: the motor may still be turning.
         self._reader.interlocks = InterlockState(off_s=0.0)
         self._trip = error

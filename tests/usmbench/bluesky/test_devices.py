@@ -163,6 +163,17 @@ def test_an_interlock_fails_a_plan_that_has_no_suspender(open_bench: Any) -> Non
         bench.engine(scan([devices.encoder], devices.phase, 0, 10, 2))
 
 
+def test_an_interlock_leaves_what_a_speed_was_measured_at(open_bench: Any) -> None:
+    with open_bench(overspeed_rad_s=5.0) as bench:
+        devices = bench.devices
+        devices.phase.set(90.0).wait(10.0)
+        wait_for(lambda: devices.ready.get() is False)
+        wait_for(lambda: not bench.drive_is_on)
+        assert devices.phase.read()["phase_deg"]["value"] == 90.0
+        devices.phase.stop()
+        assert devices.phase.read()["phase_deg"]["value"] == 0.0
+
+
 def test_a_suspender_waits_until_the_interlock_is_acknowledged(
     open_bench: Any, capsys: pytest.CaptureFixture[str]
 ) -> None:
