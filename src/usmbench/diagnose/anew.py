@@ -17,7 +17,7 @@ from usmbench.diagnose.gain import Gain, gain_of_blocks
 from usmbench.diagnose.naming import SIGNIFICANT
 from usmbench.diagnose.remainder import describe
 from usmbench.diagnose.result import Diagnosis, Estimate, NamedCause, Trace
-from usmbench.diagnose.stretches import Mask, Stretch
+from usmbench.diagnose.stretches import Mask, Stretch, first_windows
 from usmbench.diagnose.through_counter import Estimated, fit_through
 from usmbench.identify.knots import dead_zone_deg
 from usmbench.model.effects.base import Effect
@@ -164,7 +164,7 @@ def identified_anew(
         None where no cause lies beneath, where it does not predict better, or where the model has
         several operating points or effects of its own.
     """
-    some = _some(stretches)
+    some = first_windows(stretches, _MOST_ROWS)
     if len(model.points) > 1 or model.effects:
         return None
     contexts, measured = [s.context for s in some], [s.speed_rad_s for s in some]
@@ -183,15 +183,6 @@ def identified_anew(
         return None
     anew = Anew(tuple(some), _extended(model, best.fit), best.fit.applied, best, p_value)
     return anew if anew.gain(0.0).gain > 0.0 else None
-
-
-def _some(stretches: Sequence[Stretch]) -> list[Stretch]:
-    """Return the first stretches, at least one."""
-    kept = [stretches[0]]
-    for s in stretches[1:]:
-        if sum(k.context.n for k in kept) + s.context.n <= _MOST_ROWS:
-            kept.append(s)
-    return kept
 
 
 def _fits(

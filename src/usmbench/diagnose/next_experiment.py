@@ -30,7 +30,7 @@ from usmbench.diagnose.noise import Noise, estimate_noise
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.refining import refine
 from usmbench.diagnose.result import Candidate, Diagnosis, Estimate, NamedCause
-from usmbench.diagnose.stretches import Stretch, cut_runs
+from usmbench.diagnose.stretches import cut_runs, first_windows
 from usmbench.model.effects.registry import find_effect
 from usmbench.model.extended import Applied, applied_effects
 from usmbench.model.hammerstein import HammersteinModel
@@ -158,7 +158,7 @@ class _Design:
         self._known: Knowledge = knowledge_of(model)
         self._window_s = float(np.median(records[0].window_s))
         stretches, _ = cut_runs(records, model, self._own)
-        self._stretches = _some(stretches)
+        self._stretches = first_windows(stretches, _MOST_WINDOWS)
         effects = (*(rival for rival in question.rivals[:1] if rival), *question.given)
         self._noise, self._spread = self._settled_noise(effects)
 
@@ -222,15 +222,6 @@ def _as_if(problem: Problem, truth: tuple[Applied, ...]) -> Problem:
         expected = stretch.residual_rad_s - residual
         stretches.append(replace(stretch, speed_rad_s=stretch.simulated_rad_s + expected + change))
     return Problem(stretches, problem.known, problem.noise, problem.masks, problem.own)
-
-
-def _some(stretches: Sequence[Stretch]) -> list[Stretch]:
-    """Keep the first stretches up to a number of windows, at least one."""
-    kept = [stretches[0]]
-    for stretch in stretches[1:]:
-        if sum(s.context.n for s in kept) + stretch.context.n <= _MOST_WINDOWS:
-            kept.append(stretch)
-    return kept
 
 
 def _stated(cause: NamedCause) -> Applied:

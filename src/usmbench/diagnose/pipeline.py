@@ -58,7 +58,7 @@ def diagnose(records: Sequence[Record], model: HammersteinModel) -> Diagnosis:
 
 
 def _own(model: HammersteinModel) -> tuple[Applied, ...]:
-    """Return the model's effects, and what the bench does to every command."""
+    """Return the model's effects, and what healthy runs are known to show."""
     return (*applied_effects(model.effects), *applied_effects(knowledge_of(model).habits))
 
 

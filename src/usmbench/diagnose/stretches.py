@@ -188,6 +188,23 @@ def cut_runs(
     return stretches, warnings
 
 
+def first_windows(stretches: Sequence[Stretch], most: int) -> list[Stretch]:
+    """Return the first stretches up to a number of windows, at least one.
+
+    Parameters
+    ----------
+    stretches
+        The stretches, at least one.
+    most
+        Windows at most, unless the first has more.
+    """
+    kept = [stretches[0]]
+    for stretch in stretches[1:]:
+        if sum(s.context.n for s in kept) + stretch.context.n <= most:
+            kept.append(stretch)
+    return kept
+
+
 def _pieces(n: int, jumps: NDArray[np.int64], keep: float) -> list[NDArray[np.int64]]:
     """Rows of the stretches; of a very long run blocks spread evenly over it."""
     stretches = np.split(np.arange(n), jumps)
