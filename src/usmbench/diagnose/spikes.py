@@ -1,4 +1,4 @@
-"""Isolated windows far from their neighbours: false counts, and rows that must not sway a fit."""
+"""Isolated windows far from their neighbours: miscounts, and rows that must not sway a fit."""
 
 from collections.abc import Sequence
 
@@ -14,7 +14,7 @@ _RUNNING = 0.1  # of the highest speed
 _GENTLE = 0.1  # the same, a window: a command that glides
 _PARTS = 8  # of the speeds, from slow to fast
 _MOST_ALONE, _MOST_IN_PART = 0.1, 0.25  # more is no exception
-PLAIN = 12.0  # so far that only a false count remains
+PLAIN = 12.0  # so far that only a miscount remains
 FAR = 6.0  # standard deviations: once in 5·10⁸ windows of normal noise
 
 
@@ -49,7 +49,7 @@ def spiked(
 
 
 def steady(stretch: Stretch) -> Mask:
-    """Return the rows on which nothing but a false count can make a window stand alone.
+    """Return the rows on which nothing but the counter can make a window stand alone.
 
     Parameters
     ----------

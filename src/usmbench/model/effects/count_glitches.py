@@ -34,7 +34,7 @@ class CountGlitches(SporadicEffect):
             As in `Effect.apply`.
         """
         draw = np.random.default_rng(_SEED)
-        hit = draw.random(signal.size) < values["rate_hz"] * context.window_s
+        hit = self.struck(draw, context, values["rate_hz"])
         way = np.where(draw.random(signal.size) < 0.5, -1.0, 1.0)
         spiked: Array = signal + values["size_rad_s"] * hit * way
         return spiked

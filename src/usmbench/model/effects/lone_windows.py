@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from usmbench.model.effects.base import Array, Effect
+from usmbench.model.effects.base import Array, Context, Effect
 
 Interval = tuple[float, float, float]
 
@@ -87,6 +87,22 @@ class SporadicEffect(Effect):
 
     stage = "counter"
     sporadic: ClassVar[bool] = True
+
+    @staticmethod
+    def struck(draw: np.random.Generator, context: Context, rate_hz: float) -> NDArray[np.bool_]:
+        """Return which windows are struck, shape (N,): the same for the same run.
+
+        Parameters
+        ----------
+        draw
+            Where chance comes from, seeded by the cause.
+        context
+            The stretch.
+        rate_hz
+            How often a window is struck.
+        """
+        struck: NDArray[np.bool_] = draw.random(context.n) < rate_hz * context.window_s
+        return struck
 
     @abstractmethod
     def weigh(self, windows: LoneWindows) -> Weighed:

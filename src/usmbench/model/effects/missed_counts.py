@@ -90,7 +90,7 @@ class LostNowAndThen(SporadicEffect):
             As in `Effect.apply`.
         """
         draw = np.random.default_rng(_SEED)
-        hit = draw.random(signal.size) < values["rate_hz"] * context.window_s
+        hit = self.struck(draw, context, values["rate_hz"])
         lost = hit & (np.abs(signal) > values["above_rad_s"])
         slower: Array = signal - values["lost_rad_s"] * np.sign(signal) * lost
         return slower
