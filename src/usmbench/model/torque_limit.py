@@ -9,17 +9,15 @@ time t of constant v, y = (v − ω)/s obeys ``sinh y(t) = sinh y(0) exp(−t/τ
 ``τ (G(y(0)) − G(y(t)))`` with ``G(y) = ∫ y coth y dy``.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
+from scipy.linalg.lapack import dtbtrs
 from scipy.special import spence
 
 Array = NDArray[np.float64]
 
 _HIGHEST = 300.0  # y beyond which sinh would overflow; saturated long before
-_SAME = 1e-10  # of the largest speed
+_CLOSE = 1e-5  # of s; Newton's next step would be the square of it
 
 
 def limited_run(
@@ -48,80 +46,62 @@ def limited_run(
         Shape (N,).
     """
     whole = int(dead_windows)
-    late = np.r_[np.full(whole + 1, start_rad_s), settled_rad_s][: settled_rad_s.size + 1]
     part = dead_windows - whole
-    window = _Window(late[:-1], late[1:], part, tau_windows, slip_limit_rad_s)
-    slips = _window_slips(window, start_rad_s)
-    # A window begins where the one before ended.
-    ended = _slip_integral(slips.last)
-    lost = np.r_[_slip_integral(slips.first[:1]), ended[:-1]] - ended
-    lost[window.changed] += _slip_integral(slips.right) - _slip_integral(slips.left)
-    mean: Array = part * window.before + (1.0 - part) * window.after
+    late = np.concatenate((np.full(whole + 1, start_rad_s), settled_rad_s))
+    late = late[: settled_rad_s.size + 1]
+    changing = late[1:] != late[:-1]
+    # The shaft starts settled, as if after a change of nothing.
+    changes = np.append(-1, np.flatnonzero(changing))
+    jumps = np.append(0.0, np.diff(late)[changing]) / slip_limit_rad_s
+    slips = _slips_after(jumps, np.diff(changes) / tau_windows)
+    latest = np.cumsum(changing)
+    since = np.arange(1.0, late.size) - part - changes[latest]
+    ended = _slip_integral(_faded(slips[latest], since / tau_windows))
+    lost = -np.diff(ended, prepend=0.0)
+    lost[changing] += (_slip_integral(slips) - _slip_integral(slips - jumps))[1:]
+    mean: Array = part * late[:-1] + (1.0 - part) * late[1:]
     mean -= slip_limit_rad_s * tau_windows * lost
     return mean
 
 
-@dataclass(frozen=True, slots=True)
-class _Slips:
-    """Slips over s: at a window's first and last moment, and on both sides of a change in it."""
+def _slips_after(jumps: Array, gaps: Array) -> Array:
+    """Slips over s just after each change of v, the gaps between them in time constants.
 
-    first: Array
-    left: Array
-    right: Array
-    last: Array
-
-
-class _Window:
-    """Two parts of every window: until the dead time ends, and after it."""
-
-    def __init__(self, before: Array, after: Array, part: float, tau: float, slip: float) -> None:
-        self.before, self.after = before, after
-        self.decay = np.exp(-1.0 / tau)
-        self.changed = np.flatnonzero(after != before)
-        self._jump = (after - before)[self.changed] / slip
-        self._decays = np.exp(-part / tau), np.exp(-(1.0 - part) / tau)
-        self._slip = slip
-
-    def slips(self, begin: Array) -> _Slips:
-        """Slips of windows that begin at these speeds."""
-        first = np.clip((self.before - begin) / self._slip, -_HIGHEST, _HIGHEST)
-        fading = np.sinh(first) * self._decays[0]
-        left = np.arcsinh(fading[self.changed])
-        right = np.clip(self._jump + left, -_HIGHEST, _HIGHEST)
-        fading[self.changed] = np.sinh(right)
-        return _Slips(first, left, right, np.arcsinh(fading * self._decays[1]))
-
-    def ends(self, slips: _Slips) -> Array:
-        """Speed at the end of each window."""
-        end: Array = self.after - self._slip * slips.last
-        return end
-
-
-def _window_slips(window: _Window, start_rad_s: float) -> _Slips:
-    """Slips of every window, each begun as the one before ends.
-
-    The linear lag is solved for what the limit adds to it, over and over: each round is right for
-    one window more at least, and for all of them once the saturated windows are behind.
+    A jump adds to what is left of the slip after the change before. Each round of Newton's method
+    is right for one change more at least, and for all of them once it is near.
     """
-    begin: Array = np.r_[start_rad_s, window.before[1:]]
-    close = _SAME * max(float(np.max(np.abs(begin))), 1e-300)
-    for _ in range(begin.size + 1):
-        slips = window.slips(begin)
-        added = window.ends(slips) - window.decay * begin
-        filtered, _ = lfilter(
-            [1.0], [1.0, -window.decay], added[:-1], zi=[window.decay * start_rad_s]
-        )
-        moved = np.r_[start_rad_s, filtered]
-        if np.max(np.abs(moved - begin)) <= close:
+    slips = jumps
+    band = np.ones((2, jumps.size), order="F")
+    for _ in range(jumps.size):
+        left = _faded(slips[:-1], gaps)
+        band[1, :-1] = -_fading_slope(slips[:-1], left, gaps)
+        step = dtbtrs(band, np.append(0.0, left) + jumps - slips, uplo="L")[0]
+        slips = slips + step
+        if np.max(np.abs(step)) < _CLOSE:
             break
-        begin = moved
     return slips
+
+
+def _faded(y: Array, gaps: Array) -> Array:
+    """Slips as many time constants later."""
+    size = np.abs(y)
+    grown = size - gaps
+    over = np.maximum(grown - _HIGHEST, 0.0)
+    sinh = -0.5 * np.exp(grown - over) * np.expm1(-2.0 * size)
+    faded: Array = np.copysign(np.arcsinh(sinh) + over, y)
+    return faded
+
+
+def _fading_slope(y: Array, faded: Array, gaps: Array) -> Array:
+    """How faded slips change with the slips: exp(−gap) cosh y / cosh faded."""
+    size, left = np.abs(y), np.abs(faded)
+    slope: Array = np.exp(size - left - gaps)
+    slope *= (1.0 + np.exp(-2.0 * size)) / (1.0 + np.exp(-2.0 * left))
+    return slope
 
 
 def _slip_integral(y: Array) -> Array:
     """G(y) = ∫ t coth t dt from 0 to y, by the dilogarithm; odd in y."""
-    size = np.maximum(np.abs(y), 1e-300)
-    gone = -np.expm1(-2.0 * size)
-    rising = 0.5 * size**2 + size * np.log(gone) + 0.5 * (np.pi**2 / 6.0 - spence(gone))
+    rising = 0.5 * (y**2 + spence(np.exp(-2.0 * np.abs(y))))
     signed: Array = np.copysign(rising, y)
     return signed
