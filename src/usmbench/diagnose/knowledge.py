@@ -6,10 +6,12 @@ it under ``residual: diagnosis``; for a model without it, cautious values stand 
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import compress
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 
 from usmbench.diagnose.features import Features
 from usmbench.diagnose.noise import Noise, noise_from_mapping
@@ -80,8 +82,8 @@ class Knowledge:
         """
         return self.features.combined(stretch, self.mean)
 
-    def background(self, stretches: Sequence[Stretch]) -> list[Array]:
-        """Return what may differ without being news, in columns of one standard deviation.
+    def background(self, stretches: Sequence[Stretch]) -> tuple[list[Array], Array]:
+        """Return what may differ without being news: shapes, and in which ways they may.
 
         Parameters
         ----------
@@ -90,11 +92,16 @@ class Knowledge:
 
         Returns
         -------
-        list of Array
-            One a stretch, shape (N, K): the same column is the same difference on all of them.
+        shapes
+            One array a stretch, shape (N, S), mostly zeros: the same column is the same difference
+            on all of them.
+        root
+            Square root of the coefficients' covariance, shape (S, K): the columns of
+            ``shapes @ root`` are differences of one standard deviation.
         """
         runs = sorted({s.run for s in stretches})
-        root = self.root[:, np.any(self.root != 0.0, axis=0)]
+        free = self.root != 0.0
+        shaped, ways = np.any(free, axis=1), np.any(free, axis=0)
         found = []
         for s in stretches:
             own = np.column_stack(
@@ -105,10 +112,9 @@ class Knowledge:
                 ]
             )
             wander = [own * (s.run == run) for run in runs]
-            found.append(
-                np.hstack([np.column_stack(list(self.features.columns(s))) @ root, *wander])
-            )
-        return found
+            found.append(np.column_stack([*compress(self.features.columns(s), shaped), *wander]))
+        apart = np.eye(own.shape[1] * len(runs))
+        return found, block_diag(self.root[np.ix_(shaped, ways)], apart)
 
     def to_mapping(self) -> dict[str, Any]:
         """Return what the model file keeps."""

@@ -3,7 +3,8 @@
 The residual's covariance is ``C = noise + Σ τ² u uᵀ``, where each column u is something that may
 differ without being news: the curve's own error, the steps' mean jitter, gain and dead zone of the
 run. With the noise whitened to 1, ``eᵀ C⁻¹ e = min_β |e − Uβ|² + |β|²`` (U with its deviations τ
-in it), so a residual is carried as the vector ``[e − Uβ̂; β̂]``: its square is the deviance.
+in it), so a residual is carried as the vector ``[e − Uβ̂; β̂]``: its square is the deviance. U is
+kept as shapes, mostly zeros, and the ways in which they may differ together, which are not.
 """
 
 from collections.abc import Sequence
@@ -13,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
+from scipy.sparse import csr_array
 
 from usmbench.diagnose.free_runs import FreeRuns
 from usmbench.diagnose.knowledge import Knowledge
@@ -68,7 +70,8 @@ class Problem:
         self.residual_rad_s = [
             s.residual_rad_s - e for s, e in zip(self.stretches, expected, strict=True)
         ]
-        self._background = self._white(known.background(self.stretches))
+        shapes, self._root = known.background(self.stretches)
+        self._shapes = csr_array(np.concatenate(self._white(shapes)))
         self._judge(masks)
 
     @property
@@ -136,19 +139,21 @@ class Problem:
             The residual of each stretch, in rad/s, shape (N,), or (N, K) for K of them at once.
         """
         white = self._rows(self._white(signal))
-        beta = ((self._columns.T @ white).T / self._tension).T
-        carried: Array = np.concatenate([white - self._columns @ beta, beta])
+        shaped = np.asarray(self._judged.T @ white)
+        beta = ((self._ways.T @ shaped).T / self._tension).T
+        carried: Array = np.concatenate([white - self._judged @ (self._ways @ beta), beta])
         return carried
 
     def _judge(self, masks: Sequence[Mask]) -> None:
         """Take the rows that count, and on them what is no news, as far as it exceeds the noise."""
         self.masks = tuple(masks)
         self._valid = [self._whole(mask) for mask in self.masks]
-        matrix = self._rows(self._background)
-        power, ways = np.linalg.eigh(matrix.T @ matrix)
+        self._judged = self._shapes[np.concatenate(self._valid)]
+        alike = (self._judged.T @ self._judged).toarray()
+        power, ways = np.linalg.eigh(self._root.T @ alike @ self._root)
         shown = power > _HIDDEN
-        self._columns: Array = matrix @ ways[:, shown]
-        self._tension: Array = 1.0 + power[shown]  # CᵀC + 1, which is diagonal
+        self._ways: Array = self._root @ ways[:, shown]
+        self._tension: Array = 1.0 + power[shown]  # UᵀU + 1, which is diagonal
         self.residual = self.carried(self.residual_rad_s)
         self.deviance = float(self.residual @ self.residual)
 

@@ -166,7 +166,7 @@ def _view(
     level: Sequence[Array],
     after: Sequence[Array],
     spread: float,
-    background: Sequence[Array],
+    background: tuple[Sequence[Array], Array],
 ) -> View:
     """Average each bin's rows and work out the band that noise alone keeps within."""
     n_bins = binning.centre.size
@@ -188,14 +188,15 @@ def _view(
         ):
             sums[k] += np.bincount(at, weights=values, minlength=n_bins)
     count = np.maximum(sums[0], 1.0)
-    totals = np.zeros((n_bins, background[0].shape[1]))
+    shapes, root = background
+    totals = np.zeros((n_bins, root.shape[0]))
     for index, sign, mask, part in zip(
-        binning.index, binning.sign, problem.masks, background, strict=True
+        binning.index, binning.sign, problem.masks, shapes, strict=True
     ):
         rows = np.flatnonzero(mask & (index >= 0))
         picked = csr_array((sign[rows], (index[rows], rows)), shape=(n_bins, mask.size))
         totals += np.asarray(picked @ part)
-    known = np.sum((totals / count[:, None]) ** 2, axis=1)
+    known = np.sum((totals @ root / count[:, None]) ** 2, axis=1)
     seen = sums[0] >= 3
     # Every bin of the view together keeps within the band in 95 % of runs (Šidák).
     z = float(norm.ppf(0.5 + 0.5 * 0.95 ** (1.0 / max(int(seen.sum()), 1))))
