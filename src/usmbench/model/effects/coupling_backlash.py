@@ -42,14 +42,14 @@ class CouplingBacklash(Effect):
         return carried
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
-        """Return gaps from a count of the disc to a third of a turn.
+        """Return gaps from a part of a count of the disc to a sixth of a turn.
 
         Parameters
         ----------
         contexts
             All stretches.
         """
-        return {"gap_rad": np.geomspace(0.003, 1.0, 12)}
+        return {"gap_rad": np.geomspace(1e-4, 1.0, 32)}
 
     def untestable(self, contexts: Sequence[Context]) -> str | None:
         """Return why where the shaft never reverses.

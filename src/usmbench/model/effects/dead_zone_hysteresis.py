@@ -49,7 +49,7 @@ class Sticking(Effect):
         contexts
             All stretches.
         """
-        return {"start_later_deg": np.geomspace(0.3, 40.0, 24)}
+        return {"start_later_deg": np.geomspace(0.02, 40.0, 30)}
 
 
 class DirectedEdges(Effect):

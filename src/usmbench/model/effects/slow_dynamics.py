@@ -55,14 +55,14 @@ class SlowDynamics(DynamicsEffect):
         return replace(linear, a=np.asarray(a, dtype=np.float64), b=linear.b * gain * linear.gain)
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
-        """Return additions from a tenth of a window to a hundred.
+        """Return additions from a 500th of a window, which steps still show, to a hundred.
 
         Parameters
         ----------
         contexts
             All stretches.
         """
-        return {"added_s": np.minimum(contexts[0].window_s * np.geomspace(0.1, 100.0, 24), 10.0)}
+        return {"added_s": np.minimum(contexts[0].window_s * np.geomspace(0.002, 100.0, 36), 10.0)}
 
 
 FORMS = (SlowDynamics(),)

@@ -43,14 +43,15 @@ class TransportDelay(DynamicsEffect):
         return replace(linear, b=b, dead_time_windows=linear.dead_time_windows + whole)
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
-        """Return delays from a tenth of a window up to a hundred, or a second.
+        """Return delays from a 500th of a window, which steps still show, to a hundred, or a second.
 
         Parameters
         ----------
         contexts
             All stretches.
         """
-        windows = np.r_[np.linspace(0.1, 0.9, 9), np.arange(1.0, 13.0), np.geomspace(14, 100, 14)]
+        windows = np.r_[np.geomspace(0.002, 0.15, 12), np.linspace(0.2, 0.9, 8)]
+        windows = np.r_[windows, np.arange(1.0, 13.0), np.geomspace(14.0, 100.0, 14)]
         return {"delay_s": np.unique(np.minimum(windows * contexts[0].window_s, 1.0))}
 
     def untestable(self, contexts: Sequence[Context]) -> str | None:
