@@ -124,18 +124,19 @@ class MotorBench:
         regular = np.abs(quiet - self._quiet(excited, 0)) < _level(even)
         steady = inside & regular & _regular(even)
 
-        def strength(effect: Array, sure: NDArray[np.bool_]) -> float:
-            usual = np.mean(even[sure] ** 2) + np.mean((self._motor.wander * quiet[sure]) ** 2)
-            return float(np.sqrt(np.mean(effect[sure] ** 2) / usual))
-
         defects = draw.hidden.made
         hidden = self._quiet(excited, draw.number, defects)
         effect = hidden - quiet
         sure = steady & _sure(effect, again, _LARGE * _level(even))
-        outcome.strength = outcome.weakest = strength(effect, sure)
+
+        def strength(effect: Array) -> float:
+            noise_rad_s = float(np.sqrt(np.mean(even[sure] ** 2)))
+            return _strength(effect[sure], quiet[sure], noise_rad_s, self._motor.wander)
+
+        outcome.strength = outcome.weakest = strength(effect)
         if len(defects) > 1:
             parts = [self._quiet(excited, draw.number, (defect,)) - quiet for defect in defects]
-            outcome.weakest = min(strength(part, sure) for part in parts)
+            outcome.weakest = min(map(strength, parts))
         floor = record.speed_rad_s - hidden
         rows = sure & _regular(floor)
         outcome.oracle_gain = _gain(error[rows], (error - effect)[rows], floor[rows])
@@ -196,6 +197,17 @@ def _sure(effect: Array, again: Array, far_rad_s: float) -> NDArray[np.bool_]:
     """
     near = (effect * again > 0.0) & (np.abs(again) > 0.5 * np.abs(effect))
     return (np.abs(effect) < far_rad_s) | near
+
+
+def _strength(effect: Array, speed: Array, noise_rad_s: float, wander: float) -> float:
+    """Root of an effect's deviance a window: its rms over the noise's, where nothing wanders.
+
+    Of an effect that looks like another gain, no run tells more than how many wanders it amounts
+    to.
+    """
+    gain = float(effect @ speed) / (float(speed @ speed) + (noise_rad_s / max(wander, 1e-9)) ** 2)
+    deviance = float(np.sum((effect - gain * speed) ** 2)) / noise_rad_s**2
+    return float(np.sqrt((deviance + (gain / max(wander, 1e-9)) ** 2) / effect.size))
 
 
 def _gain(before: Array, after: Array, noise: Array) -> float:

@@ -20,7 +20,8 @@ class Outcome:
     plan, duration_s, correlation_s, wander, wire, n_frequencies
         Under which conditions.
     strength
-        Root mean square of what was hidden, in the speed, over the noise of a window.
+        Root of the deviance a window that what was hidden has, given the noise and the wander of
+        the gain: its root mean square over the noise's where nothing wanders.
     weakest
         The same of the smaller one of two causes.
     verdict, named, alternatives, remainder

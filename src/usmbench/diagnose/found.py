@@ -6,14 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.fitting import Fit
-from usmbench.diagnose.naming import PLAINLY, Ranked, Whole
+from usmbench.diagnose.naming import Ranked, Whole
 from usmbench.diagnose.problem import Problem
 
 Array = NDArray[np.float64]
 
 _MOST_LEFT = 0.4  # as a share; what verdict() calls partly explained ends there, too
 _GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by a tenth
-_MATERIAL = 0.1  # of the noise's mean square
 _ACTS = 2.0  # times the noise
 _ELSEWHERE = 0.1  # of the scatter where a cause acts by chance
 
@@ -79,13 +78,6 @@ class Found:
             outside += float(np.sum((left / level)[mask & ~acts] ** 2))
             against += float(np.sum((was / level)[acts & (was * change < 0.0)] ** 2))
         return outside < _ELSEWHERE * inside and against < _ELSEWHERE * inside
-
-    @property
-    def material(self) -> bool:
-        """Whether what the views show, nothing explained, is more than a trifle."""
-        return (
-            self.before.p_value < PLAINLY and self.before.excess > _MATERIAL * self.problem.n_rows
-        )
 
     @property
     def left_rad_s(self) -> list[Array]:

@@ -30,6 +30,7 @@ _MISFIT, _OFF = 50.0, 0.03
 _ONE_WAY = 2.0 * math.log(2.0)  # a parameter with one sign is given half the room beforehand
 _SECOND_SHARE = 0.01
 _SECOND_LEAST = 20.0
+_MATERIAL = 0.1  # of the noise's mean square
 _LEFT_EXPLAINED = 0.08
 _LEFT_PARTLY = 0.4
 
@@ -158,10 +159,18 @@ class Whole:
         Square of the residual's part in the views, beyond what noise leaves there.
     p_value
         Probability of as much where nothing is wrong.
+    n_rows
+        Rows that it was taken over.
     """
 
     excess: float
     p_value: float
+    n_rows: int
+
+    @property
+    def material(self) -> bool:
+        """Whether there is more than a trifle."""
+        return self.p_value < PLAINLY and self.excess > _MATERIAL * self.n_rows
 
 
 def whole_test(problem: Problem, basis: Basis, effects: Sequence[Applied], spread: float) -> Whole:
@@ -180,7 +189,8 @@ def whole_test(problem: Problem, basis: Basis, effects: Sequence[Applied], sprea
     """
     rank_ = basis.vectors.shape[1]
     square = basis.square(problem.left(effects)) / spread**2
-    return Whole(max(square - rank_, 0.0), float(chi2.sf(square, rank_)))
+    excess, p_value = max(square - rank_, 0.0), float(chi2.sf(square, rank_))
+    return Whole(excess, p_value, problem.n_rows)
 
 
 def verdict(before: Whole, after: Whole, statistic: float) -> Verdict:
@@ -196,4 +206,4 @@ def verdict(before: Whole, after: Whole, statistic: float) -> Verdict:
     share = after.excess / max(before.excess, statistic, 1e-12)
     if after.p_value > PLAINLY or share < _LEFT_EXPLAINED:
         return "explained"
-    return "partly_explained" if share < _LEFT_PARTLY else "unexplained"
+    return "unexplained" if share > _LEFT_PARTLY and after.material else "partly_explained"

@@ -90,7 +90,7 @@ def _verdict(found: Found, sporadic: Sporadic | None) -> Verdict:
     # Windows that stand alone are not the matter where most is wrong elsewhere.
     if sporadic is not None and sporadic.deviance > found.before.excess:
         return "explained" if found.before.p_value > PLAINLY else "partly_explained"
-    if not found.material:
+    if not found.before.material:
         return "no_discrepancy"
     plain = held_out_gain(found.problem, found.fit)
     above = plain.rmse_simulation_rad_s**2 - plain.noise_floor_rad_s**2

@@ -43,7 +43,7 @@ class TransportDelay(DynamicsEffect):
         return replace(linear, b=b, dead_time_windows=linear.dead_time_windows + whole)
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
-        """Return delays from a 500th of a window, which steps still show, to a hundred, or a second.
+        """Return delays from a 500th of a window, which steps still show, to a hundred or a second.
 
         Parameters
         ----------
