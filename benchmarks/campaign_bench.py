@@ -31,6 +31,7 @@ _FRESH: Final = 5000
 _HEALTHY: Final = 700
 _FAR: Final = 6.0
 _LARGE: Final = 2.0
+_HANDFUL: Final = 10  # windows
 _FRESH_EVERY: Final = 4  # a fresh run costs as much as the draw itself
 
 
@@ -134,6 +135,7 @@ class MotorBench:
             return _strength(effect[sure], quiet[sure], noise_rad_s, self._motor.wander)
 
         outcome.strength = outcome.weakest = strength(effect)
+        outcome.rms = float(np.sqrt(np.mean(effect[sure] ** 2) / np.mean(even[sure] ** 2)))
         if len(defects) > 1:
             parts = [self._quiet(excited, draw.number, (defect,)) - quiet for defect in defects]
             outcome.weakest = min(map(strength, parts))
@@ -203,8 +205,10 @@ def _strength(effect: Array, speed: Array, noise_rad_s: float, wander: float) ->
     """Root of an effect's deviance a window: its rms over the noise's, where nothing wanders.
 
     Of an effect that looks like another gain, no run tells more than how many wanders it amounts
-    to.
+    to; and what shows in a handful of windows only has no name, however large it is there.
     """
+    usual = np.argsort(np.abs(effect))[:-_HANDFUL]
+    effect, speed = effect[usual], speed[usual]
     gain = float(effect @ speed) / (float(speed @ speed) + (noise_rad_s / max(wander, 1e-9)) ** 2)
     deviance = float(np.sum((effect - gain * speed) ** 2)) / noise_rad_s**2
     return float(np.sqrt((deviance + (gain / max(wander, 1e-9)) ** 2) / effect.size))

@@ -21,9 +21,11 @@ class Outcome:
         Under which conditions.
     strength
         Root of the deviance a window that what was hidden has, given the noise and the wander of
-        the gain: its root mean square over the noise's where nothing wanders.
+        the gain, but for the ten windows in which it shows most.
     weakest
         The same of the smaller one of two causes.
+    rms
+        Plain ratio of root mean squares, of what was hidden and of the noise.
     verdict, named, alternatives, remainder
         What diagnose said.
     gain
@@ -49,6 +51,7 @@ class Outcome:
     n_frequencies: int = 1
     strength: float = 0.0
     weakest: float = 0.0
+    rms: float = 0.0
     verdict: str = ""
     named: list[str] = field(default_factory=list)
     alternatives: list[str] = field(default_factory=list)

@@ -118,6 +118,8 @@ def _goals(rows: list[Row]) -> None:
     _goal("right first, size 1 x noise and more", strong, _right, ">= 98 %")
     _goal("in the set, size 1 x noise and more", strong, _in_set, ">= 99.5 %")
     _goal("right first, size 0.2 to 0.5 x noise", weak, _right, ">= 90 %")
+    loud = [row for row in single if row["rms"] >= 1.0]
+    _goal("right first, by plain rms, a handful of windows too", loud, _right, "")
     _goal("wrong name first, all sizes", single, lambda r: r["judgement"] == "wrong", "")
     _goal("false alarms, nothing hidden", nothing, _alarm, "<= 5 %")
     for wander in sorted({row["wander"] for row in nothing}):
