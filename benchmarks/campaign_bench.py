@@ -15,7 +15,9 @@ from benchmarks.campaign_outcome import Outcome
 from benchmarks.campaign_runs import FREQUENCIES_HZ, PLANS, Excited, Measured, Motor
 from hil_sim.defects import Defect
 from usmbench.cli.main import main as usmbench
+from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.pipeline import diagnose
+from usmbench.diagnose.stretches import cut_runs
 from usmbench.errors import UsmbenchError
 from usmbench.model.model_file import read_model, write_model
 from usmbench.model.replay import replay_record
@@ -91,7 +93,7 @@ class MotorBench:
             outcome.error = str(error)
             return outcome
         if outcome.named and defects and draw.number % _FRESH_EVERY == 0:
-            outcome.fresh_gain = self._fresh_gain(draw)
+            self._on_another_run(outcome, draw)
         return outcome
 
     def measured(
@@ -121,7 +123,7 @@ class MotorBench:
         excited, quiet = draw.excited, self._quiet(draw.excited, draw.number)
         healthy = read_run(self.measured(excited, _HEALTHY)).speed_rad_s
         even, again = _without_gain(healthy - quiet, quiet), record.speed_rad_s - healthy
-        error, inside = _error(self.model, record)
+        _, inside = _error(self.model, record)
         regular = np.abs(quiet - self._quiet(excited, 0)) < _level(even)
         steady = inside & regular & _regular(even)
 
@@ -132,27 +134,29 @@ class MotorBench:
 
         def strength(effect: Array) -> float:
             noise_rad_s = float(np.sqrt(np.mean(even[sure] ** 2)))
-            return _strength(effect[sure], quiet[sure], noise_rad_s, self._motor.wander)
+            return strength_of(effect[sure], quiet[sure], noise_rad_s, self._motor.wander)
 
         outcome.strength = outcome.weakest = strength(effect)
         outcome.rms = float(np.sqrt(np.mean(effect[sure] ** 2) / np.mean(even[sure] ** 2)))
         if len(defects) > 1:
             parts = [self._quiet(excited, draw.number, (defect,)) - quiet for defect in defects]
             outcome.weakest = min(map(strength, parts))
-        floor = record.speed_rad_s - hidden
-        rows = sure & _regular(floor)
-        outcome.oracle_gain = _gain(error[rows], (error - effect)[rows], floor[rows])
 
-    def _fresh_gain(self, draw: Draw) -> float:
-        """Share of the mean square above the noise that the extension removes on another run."""
+    def _on_another_run(self, outcome: Outcome, draw: Draw) -> None:
+        """Score the extended model, and the plain one with the true effect, on a run unseen."""
         defects, day = draw.hidden.made, _FRESH + draw.number
         excited = replace(draw.excited, seed=draw.excited.seed + _FRESH)
-        record = read_run(self.measured(excited, day, defects))
+        record, model = read_run(self.measured(excited, day, defects)), read_model(self.model)
         plain, inside = _error(self.model, record)
         better, _ = _error(self._extended, record)
-        noise = record.speed_rad_s - self._quiet(excited, day, defects)
-        rows = inside & _regular(noise)
-        return _gain(plain[rows], better[rows], noise[rows])
+        hidden = self._quiet(excited, day, defects)
+        ((stretch,), _), noise = cut_runs([record], model, ()), knowledge_of(model).noise
+        assert noise is not None
+        rows = inside & _regular(record.speed_rad_s - hidden)
+        truly = plain - (hidden - self._quiet(excited, day))
+        floor = noise.level_rad_s(stretch)[rows]
+        outcome.fresh_gain = _gain(plain[rows], better[rows], floor)
+        outcome.oracle_gain = _gain(plain[rows], truly[rows], floor)
 
 
 def _healthy(reference_s: float) -> Iterator[Excited]:
@@ -201,11 +205,20 @@ def _sure(effect: Array, again: Array, far_rad_s: float) -> NDArray[np.bool_]:
     return (np.abs(effect) < far_rad_s) | near
 
 
-def _strength(effect: Array, speed: Array, noise_rad_s: float, wander: float) -> float:
+def strength_of(effect: Array, speed: Array, noise_rad_s: float, wander: float) -> float:
     """Root of an effect's deviance a window: its rms over the noise's, where nothing wanders.
 
     Of an effect that looks like another gain, no run tells more than how many wanders it amounts
     to; and what shows in a handful of windows only has no name, however large it is there.
+
+    Parameters
+    ----------
+    effect, speed
+        What is hidden, and the speed, free of noise, in rad/s, shape (N,).
+    noise_rad_s
+        Root mean square of the noise.
+    wander
+        Relative standard deviation of the gain from run to run.
     """
     usual = np.argsort(np.abs(effect))[:-_HANDFUL]
     effect, speed = effect[usual], speed[usual]
@@ -214,10 +227,11 @@ def _strength(effect: Array, speed: Array, noise_rad_s: float, wander: float) ->
     return float(np.sqrt((deviance + (gain / max(wander, 1e-9)) ** 2) / effect.size))
 
 
-def _gain(before: Array, after: Array, noise: Array) -> float:
-    """Share of the mean square above the noise that is gone."""
-    whole, left, floor = (float(np.mean(e**2)) for e in (before, after, noise))
-    return 1.0 - (left - floor) / max(whole - floor, 1e-12)
+def _gain(before: Array, after: Array, floor: Array) -> float:
+    """Share of the mean square above the floor that is gone, as diagnose means it."""
+    whole, left, least = (float(np.mean(e**2)) for e in (before, after, floor))
+    share = (whole - left) / max(whole - min(least, left), 1e-12)
+    return float(np.clip(share, 0.0, 1.0))
 
 
 def _command(*words: str | Path) -> None:

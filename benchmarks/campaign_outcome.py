@@ -30,10 +30,10 @@ class Outcome:
         What diagnose said.
     gain
         The held-out gain that it claims; None where it names nothing.
-    oracle_gain
-        The gain of the identified model with the hidden effect, known exactly, added to it.
     fresh_gain
         The gain of the extended model on another run.
+    oracle_gain
+        The gain there of the identified model with the hidden effect, known exactly, added to it.
     intervals
         Parameters whose truth is known: name to truth, low, value, high.
     error
@@ -56,8 +56,8 @@ class Outcome:
     named: list[str] = field(default_factory=list)
     alternatives: list[str] = field(default_factory=list)
     gain: float | None = None
-    oracle_gain: float | None = None
     fresh_gain: float | None = None
+    oracle_gain: float | None = None
     intervals: dict[str, list[float]] = field(default_factory=dict)
     remainder: str = ""
     error: str = ""

@@ -138,10 +138,10 @@ def _goals(rows: list[Row]) -> None:
     _goal("both of two named or alternatives", both, _in_set, "")
     _intervals(single)
     named = [r for r in strong if r["gain"] is not None and _right(r)]
-    _goal("held-out gain at least 0.9 of the oracle's", named, _near_oracle, "")
     again = [row for row in named if row["fresh_gain"] is not None]
+    _goal("gain on a fresh run at least 0.9 of the oracle's", again, _near_oracle, "")
     _goal("claimed gain within 0.05 of a fresh run's", again, _near_fresh, "")
-    _gains(named, again)
+    _gains(again)
 
 
 def _goal(label: str, rows: list[Row], hit: Callable[[Row], bool], goal: str) -> None:
@@ -172,7 +172,7 @@ def _unnamed(row: Row) -> bool:
 
 
 def _near_oracle(row: Row) -> bool:
-    return bool(row["gain"] >= 0.9 * row["oracle_gain"])
+    return bool(row["fresh_gain"] >= 0.9 * row["oracle_gain"])
 
 
 def _near_fresh(row: Row) -> bool:
@@ -188,17 +188,17 @@ def _intervals(rows: list[Row]) -> None:
     _goal("95 % interval holds the true parameter", found, lambda r: r["in"], "95 +- 3 %")
 
 
-def _gains(named: list[Row], again: list[Row]) -> None:
-    """Print the claimed gain beside the oracle's, and beside that on a fresh run."""
-    if named:
-        ratio = [row["gain"] / max(row["oracle_gain"], 1e-3) for row in named]
-        print(f"\nheld-out gain over the oracle's: median {np.median(ratio):.3f} (goal 0.9)")
-    if again:
-        off = np.array([row["gain"] - row["fresh_gain"] for row in again])
-        print(
-            f"claimed less fresh gain: median {np.median(off):+.3f}, median size "
-            f"{np.median(np.abs(off)):.3f} (goal 0.05)"
-        )
+def _gains(again: list[Row]) -> None:
+    """Print the gain on a fresh run beside the oracle's, and the claimed one beside it."""
+    if not again:
+        return
+    ratio = [row["fresh_gain"] / max(row["oracle_gain"], 1e-3) for row in again]
+    print(f"\ngain on a fresh run over the oracle's: median {np.median(ratio):.3f} (goal 0.9)")
+    off = np.array([row["gain"] - row["fresh_gain"] for row in again])
+    print(
+        f"claimed less fresh gain: median {np.median(off):+.3f}, median size "
+        f"{np.median(np.abs(off)):.3f} (goal 0.05)"
+    )
 
 
 def _table(title: str, rows: Iterable[Row], key: Callable[[Row], str]) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.campaign_bench import MotorBench
+from benchmarks.campaign_bench import MotorBench, strength_of
 from benchmarks.campaign_draws import GROUPS, Choice, Draw, Hidden, draws, hide, motor_of
 from benchmarks.campaign_outcome import Outcome
 from benchmarks.campaign_runs import Excited, Measured, Motor
@@ -36,6 +36,16 @@ def test_a_large_scale_error_is_named_with_its_size_and_gain(motor_bench: MotorB
     truth, _, value, _ = outcome.intervals["scale_error"]
     assert truth == 0.05
     assert value == pytest.approx(truth, abs=0.01)
+
+
+def test_the_size_of_an_effect_is_what_no_wander_explains_and_no_handful_of_windows() -> None:
+    rng = np.random.default_rng(2)
+    speed, other = 5.0 * rng.standard_normal((2, 4000))
+    assert strength_of(0.01 * other, speed, 0.05, 0.0) == pytest.approx(1.0, rel=0.1)
+    assert strength_of(0.01 * other, speed, 0.05, 0.01) == pytest.approx(1.0, rel=0.1)
+    assert strength_of(0.01 * speed, speed, 0.05, 0.0) == pytest.approx(1.0, rel=0.1)
+    assert strength_of(0.01 * speed, speed, 0.05, 0.01) == pytest.approx(4000**-0.5, rel=0.1)
+    assert strength_of(np.r_[np.full(8, 100.0), np.zeros(3992)], speed, 0.05, 0.0) == 0.0
 
 
 def test_the_wire_gives_the_rows_of_the_process(tmp_path: Path) -> None:
@@ -125,6 +135,7 @@ def test_the_tables_count(capsys: pytest.CaptureFixture[str]) -> None:
         "wire": True,
         "n_frequencies": 1,
         "strength": 1.5,
+        "rms": 1.5,
         "verdict": "explained",
         "named": ["a"],
         "alternatives": [],

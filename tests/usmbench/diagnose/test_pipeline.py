@@ -89,6 +89,22 @@ def test_names_what_was_hidden(
         assert sizes[parameter].value == pytest.approx(hidden.values[parameter], rel=0.1)
 
 
+@pytest.mark.parametrize(
+    "hidden",
+    [
+        _applied("transport_delay", "", delay_s=3e-4),
+        _applied("slow_dynamics", "", added_s=3e-4),
+        _applied("coupling_backlash", "", gap_rad=1.5e-3),
+    ],
+    ids=lambda applied: applied.effect.name,
+)
+def test_a_small_part_of_a_window_or_a_count_is_named(
+    model: HammersteinModel, hidden: Applied
+) -> None:
+    found = diagnose([_measured(9, hidden)], model)
+    assert found.causes[0].name == hidden.effect.name
+
+
 def test_a_cause_that_explains_nothing_of_unseen_blocks_is_not_named(
     model: HammersteinModel, monkeypatch: pytest.MonkeyPatch
 ) -> None:
