@@ -170,10 +170,9 @@ class _Design:
             stretches, [s.residual_rad_s for s in stretches], uses
         )
         problem = Problem(stretches, self._known, rough, uses, self._own)
-        changes = problem.change_rad_s(effects)
-        left = [r - c for r, c in zip(problem.residual_rad_s, changes, strict=True)]
+        left = problem.left_rad_s(effects)
         noise = self._known.noise or estimate_noise(stretches, left, uses)
-        white = Problem(stretches, self._known, noise, uses, self._own).carried(left)
+        white = problem.weighed(noise, uses).carried(left)
         rows = white[: problem.n_rows]
         return noise, max(1.0, 1.4826 * float(np.median(np.abs(rows))))
 

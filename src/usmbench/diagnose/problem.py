@@ -13,8 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
-from scipy.sparse import csr_array
+from scipy.sparse import block_diag, csr_array, dia_array, diags_array
 
 from usmbench.diagnose.free_runs import FreeRuns
 from usmbench.diagnose.knowledge import Knowledge
@@ -42,8 +41,6 @@ class Problem:
         Rows of each stretch that count.
     own
         The model's own effects.
-    weights
-        Factor on each whitened row of each stretch; None for 1.
     """
 
     def __init__(
@@ -53,25 +50,18 @@ class Problem:
         noise: Noise,
         masks: Sequence[Mask],
         own: Sequence[Applied] = (),
-        weights: Sequence[Array] | None = None,
     ):
         self.stretches = tuple(stretches)
-        self.known, self.noise = known, noise
+        self.known = known
         self.own = tuple(own)
         self._runs = FreeRuns(self.stretches)
-        self._weights = (
-            tuple(np.ones(s.context.n) for s in self.stretches)
-            if weights is None
-            else tuple(weights)
-        )
-        self._filter = np.r_[1.0, -noise.ar] / noise.innovation
-        self._level = [noise.level_rad_s(s) for s in self.stretches]
         expected = [known.expected_rad_s(s) for s in self.stretches]
         self.residual_rad_s = [
             s.residual_rad_s - e for s, e in zip(self.stretches, expected, strict=True)
         ]
         shapes, self._root = known.background(self.stretches)
-        self._shapes = csr_array(np.concatenate(self._white(shapes)))
+        self._shapes = csr_array(np.concatenate(shapes))
+        self._weigh(noise, None)
         self._judge(masks)
 
     @property
@@ -83,6 +73,25 @@ class Problem:
     def valid(self) -> tuple[Mask, ...]:
         """Rows of each stretch that count, and whose past counts."""
         return tuple(self._valid)
+
+    def weighed(
+        self, noise: Noise, masks: Sequence[Mask], weights: Sequence[Array] | None = None
+    ) -> "Problem":
+        """Return the same runs by another noise.
+
+        Parameters
+        ----------
+        noise
+            The noise.
+        masks
+            Rows of each stretch that count.
+        weights
+            Factor on each whitened row of each stretch; None for 1.
+        """
+        other = copy(self)
+        other._weigh(noise, weights)
+        other._judge(masks)
+        return other
 
     def with_masks(self, masks: Sequence[Mask]) -> "Problem":
         """Return the same problem on other rows.
@@ -138,17 +147,26 @@ class Problem:
         signal
             The residual of each stretch, in rad/s, shape (N,), or (N, K) for K of them at once.
         """
-        white = self._rows(self._white(signal))
+        white = np.asarray(self._whitening @ np.concatenate(signal))
         shaped = np.asarray(self._judged.T @ white)
         beta = ((self._ways.T @ shaped).T / self._tension).T
         carried: Array = np.concatenate([white - self._judged @ (self._ways @ beta), beta])
         return carried
 
+    def _weigh(self, noise: Noise, weights: Sequence[Array] | None) -> None:
+        """Take the noise, and what is no news beside it."""
+        self.noise = noise
+        self._filter = csr_array(block_diag([_whitening(noise, s) for s in self.stretches]))
+        if weights is not None:
+            self._filter = csr_array(diags_array(np.concatenate(weights)) @ self._filter)
+        self._background = self._filter @ self._shapes
+
     def _judge(self, masks: Sequence[Mask]) -> None:
         """Take the rows that count, and on them what is no news, as far as it exceeds the noise."""
         self.masks = tuple(masks)
         self._valid = [self._whole(mask) for mask in self.masks]
-        self._judged = self._shapes[np.concatenate(self._valid)]
+        rows = np.concatenate(self._valid)
+        self._whitening, self._judged = self._filter[rows], self._background[rows]
         alike = (self._judged.T @ self._judged).toarray()
         power, ways = np.linalg.eigh(self._root.T @ alike @ self._root)
         shown = power > _HIDDEN
@@ -157,18 +175,6 @@ class Problem:
         self.residual = self.carried(self.residual_rad_s)
         self.deviance = float(self.residual @ self.residual)
 
-    def _white(self, signal: Sequence[Array]) -> list[Array]:
-        """Whiten each stretch, shape (N,) or (N, K)."""
-        parts = []
-        for values, level, weight in zip(signal, self._level, self._weights, strict=True):
-            white = lfilter(self._filter, [1.0], (values.T / level).T, axis=0)
-            parts.append((white.T * weight).T)
-        return parts
-
-    def _rows(self, white: Sequence[Array]) -> Array:
-        """Keep the rows that count."""
-        return np.concatenate([w[valid] for w, valid in zip(white, self._valid, strict=True)])
-
     def _whole(self, mask: Mask) -> Mask:
         """Rows that count, and whose predecessors in the noise's memory count."""
         whole = mask.copy()
@@ -176,6 +182,13 @@ class Problem:
             whole[k:] &= mask[:-k]
             whole[:k] = False
         return whole
+
+
+def _whitening(noise: Noise, stretch: Stretch) -> dia_array[np.float64]:
+    """Filter that makes the noise of a stretch white, with a variance of 1, shape (N, N)."""
+    taps = np.r_[1.0, -noise.ar] / noise.innovation
+    bands = np.outer(taps, 1.0 / noise.level_rad_s(stretch))
+    return dia_array((bands, -np.arange(taps.size)), shape=(stretch.context.n,) * 2)
 
 
 @dataclass(frozen=True, slots=True)

@@ -69,8 +69,8 @@ def search(
     # What fits a few windows that stand alone makes others do so.
     fars = [spiked(stretches, r, noise, near_steps=True) for r in (problem.residual_rad_s, left)]
     masks = _without(stretches, min(fars, key=lambda far: sum(map(np.count_nonzero, far))))
-    weights = _weights(Problem(stretches, known, noise, masks, own), left)
-    problem = Problem(stretches, known, noise, masks, own, weights)
+    problem = problem.weighed(noise, masks)
+    problem = problem.weighed(noise, masks, _weights(problem, left))
     basis = omnibus(problem)["all"]
     spread = _spread(problem, basis, best)
     ranked = rank(problem, effects, spread)
