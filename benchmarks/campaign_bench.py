@@ -61,10 +61,22 @@ class MotorBench:
         ]
         _command("identify", *references, "--out", self.model)
 
-    def _quiet(self, excited: Excited, run_seed: int, defects: tuple[Defect, ...] = ()) -> Array:
+    def _quiet(
+        self,
+        excited: Excited,
+        run_seed: int,
+        defects: tuple[Defect, ...] = (),
+        clamp_error: float = 0.0,
+    ) -> Array:
         """Speed without noise and wander."""
-        motor = replace(self._motor, quiet=True, wander=0.0)
+        motor = replace(self._motor, quiet=True, wander=0.0, clamp_error=clamp_error)
         return read_run(Measured(motor, excited, run_seed, defects).folder(self._runs)).speed_rad_s
+
+    def _wanders(self, excited: Excited, quiet: Array) -> Array:
+        """Return what a standard deviation of the gain and of the dead zone change, (N, 2)."""
+        wander = self._motor.wander
+        wider = self._quiet(excited, 0, clamp_error=wander) - self._quiet(excited, 0)
+        return np.column_stack((wander * quiet, wider))
 
     def effect_rad_s(self, excited: Excited, run_seed: int, defects: tuple[Defect, ...]) -> Array:
         """Return what defects change in the speed, free of noise, shape (N,)."""
@@ -132,12 +144,14 @@ class MotorBench:
         effect = hidden - quiet
         sure = steady & _sure(effect, again, _LARGE * _level(even))
 
+        noise_rad_s = float(np.sqrt(np.mean(even[sure] ** 2)))
+        wanders = self._wanders(excited, quiet)[sure]
+
         def strength(effect: Array) -> float:
-            noise_rad_s = float(np.sqrt(np.mean(even[sure] ** 2)))
-            return strength_of(effect[sure], quiet[sure], noise_rad_s, self._motor.wander)
+            return strength_of(effect[sure], wanders, noise_rad_s)
 
         outcome.strength = outcome.weakest = strength(effect)
-        outcome.rms = float(np.sqrt(np.mean(effect[sure] ** 2) / np.mean(even[sure] ** 2)))
+        outcome.rms = float(np.sqrt(np.mean(effect[sure] ** 2))) / noise_rad_s
         if len(defects) > 1:
             parts = [self._quiet(excited, draw.number, (defect,)) - quiet for defect in defects]
             outcome.weakest = min(map(strength, parts))
@@ -205,7 +219,7 @@ def _sure(effect: Array, again: Array, far_rad_s: float) -> NDArray[np.bool_]:
     return (np.abs(effect) < far_rad_s) | near
 
 
-def strength_of(effect: Array, speed: Array, noise_rad_s: float, wander: float) -> float:
+def strength_of(effect: Array, wanders: Array, noise_rad_s: float) -> float:
     """Root of an effect's deviance a window: its rms over the noise's, where nothing wanders.
 
     Of an effect that looks like another gain, no run tells more than how many wanders it amounts
@@ -213,18 +227,18 @@ def strength_of(effect: Array, speed: Array, noise_rad_s: float, wander: float) 
 
     Parameters
     ----------
-    effect, speed
-        What is hidden, and the speed, free of noise, in rad/s, shape (N,).
+    effect
+        What is hidden, in rad/s, shape (N,).
+    wanders
+        What a standard deviation of all that wanders from run to run changes, shape (N, K).
     noise_rad_s
         Root mean square of the noise.
-    wander
-        Relative standard deviation of the gain from run to run.
     """
     usual = np.argsort(np.abs(effect))[:-_HANDFUL]
-    effect, speed = effect[usual], speed[usual]
-    gain = float(effect @ speed) / (float(speed @ speed) + (noise_rad_s / max(wander, 1e-9)) ** 2)
-    deviance = float(np.sum((effect - gain * speed) ** 2)) / noise_rad_s**2
-    return float(np.sqrt((deviance + (gain / max(wander, 1e-9)) ** 2) / effect.size))
+    hidden, ways = effect[usual] / noise_rad_s, wanders[usual] / noise_rad_s
+    beta = np.linalg.solve(ways.T @ ways + np.eye(ways.shape[1]), ways.T @ hidden)
+    deviance = float(np.sum((hidden - ways @ beta) ** 2) + beta @ beta)
+    return float(np.sqrt(deviance / usual.size))
 
 
 def _gain(before: Array, after: Array, floor: Array) -> float:

@@ -48,19 +48,24 @@ class Motor:
         Relative wander of gain and dead zone from run to run.
     quiet
         Whether it runs without torque noise and wander, to tell an effect from them.
+    clamp_error
+        Relative change of the quiet motor's clamping torque, which makes the dead zone.
     """
 
     seed: int
     noise_correlation_s: float = 0.01
     wander: float = 0.0
     quiet: bool = False
+    clamp_error: float = 0.0
 
     def parameters(self, run_seed: int) -> PlantParameters:
         """Return the motor as it is in one run."""
         drawn = PlantParameters.draw(np.random.default_rng([self.seed, 1]))
         rotor = replace(drawn.rotor, noise_correlation_s=self.noise_correlation_s)
         if self.quiet:
-            return replace(drawn, rotor=replace(rotor, noise_nm=0.0))
+            clamp_limit_nm = drawn.contact.clamp_limit_nm * (1.0 + self.clamp_error)
+            contact = replace(drawn.contact, clamp_limit_nm=clamp_limit_nm)
+            return replace(drawn, contact=contact, rotor=replace(rotor, noise_nm=0.0))
         rng = np.random.default_rng([self.seed, 2, run_seed])
         return wandering(replace(drawn, rotor=rotor), rng, self.wander)
 
@@ -141,6 +146,7 @@ class Measured:
         parts = [
             f"{motor.seed}-{1e3 * motor.noise_correlation_s:g}ms-{motor.wander:g}",
             *(["quiet"] if motor.quiet else []),
+            *([f"clamp{motor.clamp_error:+g}"] if motor.clamp_error else []),
             f"{excited.name}-{self.run_seed}",
             *(f"{defect.mechanism}={defect.size:.6g}" for defect in self.defects),
             *(["wire"] if self.wire else []),

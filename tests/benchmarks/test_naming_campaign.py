@@ -39,13 +39,13 @@ def test_a_large_scale_error_is_named_with_its_size_and_gain(motor_bench: MotorB
 
 
 def test_the_size_of_an_effect_is_what_no_wander_explains_and_no_handful_of_windows() -> None:
-    rng = np.random.default_rng(2)
-    speed, other = 5.0 * rng.standard_normal((2, 4000))
-    assert strength_of(0.01 * other, speed, 0.05, 0.0) == pytest.approx(1.0, rel=0.1)
-    assert strength_of(0.01 * other, speed, 0.05, 0.01) == pytest.approx(1.0, rel=0.1)
-    assert strength_of(0.01 * speed, speed, 0.05, 0.0) == pytest.approx(1.0, rel=0.1)
-    assert strength_of(0.01 * speed, speed, 0.05, 0.01) == pytest.approx(4000**-0.5, rel=0.1)
-    assert strength_of(np.r_[np.full(8, 100.0), np.zeros(3992)], speed, 0.05, 0.0) == 0.0
+    speed, other = 5.0 * np.random.default_rng(2).standard_normal((2, 4000))
+    steady, wander = np.zeros((4000, 1)), 0.01 * speed[:, None]
+    assert strength_of(0.01 * other, steady, 0.05) == pytest.approx(1.0, rel=0.1)
+    assert strength_of(0.01 * other, wander, 0.05) == pytest.approx(1.0, rel=0.1)
+    assert strength_of(0.01 * speed, steady, 0.05) == pytest.approx(1.0, rel=0.1)
+    assert strength_of(0.01 * speed, wander, 0.05) == pytest.approx(4000**-0.5, rel=0.1)
+    assert strength_of(np.r_[np.full(8, 100.0), np.zeros(3992)], steady, 0.05) == 0.0
 
 
 def test_the_wire_gives_the_rows_of_the_process(tmp_path: Path) -> None:
