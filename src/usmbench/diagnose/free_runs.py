@@ -1,4 +1,7 @@
-"""Free runs with effects, over and over: what comes after the shaft does not run it again."""
+"""Free runs with effects, over and over: what comes after the shaft does not run it again.
+
+Nor does the same scan by another noise, unless the runs are long: then memory counts for more.
+"""
 
 from collections.abc import Sequence
 
@@ -11,11 +14,11 @@ from usmbench.model.extended import Applied, counted, shaft_run
 Array = NDArray[np.float64]
 
 _AFTER = ("motion", "counter")
-_KEPT = 4
+_KEPT, _FEWEST = 10_000_000, 4  # speeds, 80 MB; courses
 
 
 class FreeRuns:
-    """Simulated speeds of stretches, with the shaft's last few courses kept.
+    """Simulated speeds of stretches, with the shaft's last courses kept.
 
     Parameters
     ----------
@@ -25,6 +28,7 @@ class FreeRuns:
 
     def __init__(self, stretches: Sequence[Stretch]):
         self._contexts = [s.context for s in stretches]
+        self._most = max(_KEPT // sum(c.n for c in self._contexts), _FEWEST)
         self._shaft: dict[tuple[object, ...], list[Array]] = {}
 
     def speed_rad_s(self, effects: Sequence[Applied]) -> list[Array]:
@@ -45,6 +49,6 @@ class FreeRuns:
         if found is None:
             found = [shaft_run(effects, c).speed_rad_s for c in self._contexts]
         self._shaft[key] = found
-        if len(self._shaft) > _KEPT:
+        if len(self._shaft) > self._most:
             del self._shaft[next(iter(self._shaft))]
         return found

@@ -6,32 +6,18 @@ import numpy as np
 import pytest
 
 from usmbench.diagnose.free_runs import FreeRuns
-from usmbench.diagnose.stretches import Stretch, cut_runs
+from usmbench.diagnose.knowledge import knowledge_of
+from usmbench.diagnose.noise import estimate_noise
+from usmbench.diagnose.problem import Problem
+from usmbench.diagnose.stretches import Stretch
 from usmbench.model.effects.base import Context
-from usmbench.model.effects.first_order import first_order
 from usmbench.model.effects.registry import find_effect
 from usmbench.model.extended import Applied, ExtendedRun, extended_run, shaft_run
-from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
-from usmbench.runs.record import Record
+from usmbench.model.hammerstein import HammersteinModel
 
-CURVE = StaticCurve(
-    np.array([-90.0, -60, -30, -15, -8, -3, 3, 8, 15, 30, 60, 90]),
-    np.array([-10.3, -10.1, -8, 0, 0, 0, 0, 0, 0, 8, 10.2, 10.4]),
-)
 LATE = [Applied(find_effect("transport_delay", ""), {"delay_s": d}) for d in (0.004, 0.02)]
 RIPPLE = Applied(find_effect("encoder_eccentricity", ""), {"cosine": 0.01, "sine": 0.02})
 BLIND = Applied(find_effect("unsigned_counts", ""), {})
-
-
-@pytest.fixture
-def stretches() -> list[Stretch]:
-    """Return one run of 200 windows."""
-    point = OperatingPoint(None, None, CURVE, (-90.0, 90.0), (-15.0, 15.0), 0.02)
-    model = HammersteinModel(first_order(0.0035, 0.0015, 0.01), (point,), "fast")
-    phase_deg = np.repeat(np.random.default_rng(0).uniform(-88.0, 88.0, 40), 5)
-    t_s = 0.01 * np.arange(1.0, phase_deg.size + 1.0)
-    speed_rad_s = CURVE.speed_rad_s(phase_deg)
-    return cut_runs([Record("run", t_s, phase_deg, speed_rad_s, np.full(200, 0.01))], model, ())[0]
 
 
 @pytest.mark.parametrize("effects", [[], [LATE[0]], [RIPPLE, LATE[0]], [BLIND], LATE])
@@ -45,17 +31,50 @@ def test_a_run_from_memory_is_the_run_itself(
         np.testing.assert_array_equal(found, expected)
 
 
-def test_what_comes_after_the_shaft_does_not_run_it_again(
-    stretches: list[Stretch], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    asked: list[Sequence[Applied]] = []
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> list[Sequence[Applied]]:
+    """Return the effects with which the shaft was run, one entry a run."""
+    effects_of_runs: list[Sequence[Applied]] = []
 
     def counting(effects: Sequence[Applied], context: Context) -> ExtendedRun:
-        asked.append(effects)
+        effects_of_runs.append(effects)
         return shaft_run(effects, context)
 
     monkeypatch.setattr("usmbench.diagnose.free_runs.shaft_run", counting)
+    return effects_of_runs
+
+
+def test_what_comes_after_the_shaft_does_not_run_it_again(
+    stretches: list[Stretch], asked: list[Sequence[Applied]]
+) -> None:
     runs = FreeRuns(stretches)
     for after in ([], [RIPPLE], [BLIND], [RIPPLE, BLIND]):
         runs.speed_rad_s([LATE[0], *after])
     assert asked == [[LATE[0]]]
+
+
+@pytest.mark.parametrize(("kept", "n_runs"), [(12 * 200, 12), (11 * 200, 24)])
+def test_a_scan_that_fits_in_memory_is_run_once(
+    stretches: list[Stretch],
+    asked: list[Sequence[Applied]],
+    kept: int,
+    n_runs: int,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("usmbench.diagnose.free_runs._KEPT", kept)
+    runs = FreeRuns(stretches)
+    delays_s = np.linspace(0.001, 0.02, 12).tolist()
+    for delay_s in [*delays_s, *delays_s]:
+        runs.speed_rad_s([Applied(LATE[0].effect, {"delay_s": delay_s})])
+    assert len(asked) == n_runs
+
+
+def test_another_noise_runs_nothing_again(
+    model: HammersteinModel, stretches: list[Stretch], asked: list[Sequence[Applied]]
+) -> None:
+    uses = [s.use for s in stretches]
+    noise = estimate_noise(stretches, [s.residual_rad_s for s in stretches], uses)
+    problem = Problem(stretches, knowledge_of(model), noise, uses)
+    for weighed in (problem, problem.weighed(noise, uses), problem.with_masks(uses)):
+        weighed.left(LATE)
+    assert asked == [LATE]
