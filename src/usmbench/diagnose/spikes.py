@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from usmbench.diagnose.noise import LAGS, Noise, step_kind
@@ -96,11 +97,15 @@ def isolated(alone: Mask, speed_rad_s: Array) -> bool:
 
 
 def _alone(residual: Array, least: Array) -> Mask:
-    """Rows far from the middle of the two rows before and the two after, up to two in a row."""
+    """Rows far from those before and those after, and on one side of both, up to two in a row.
+
+    A gain that is off leaves another error after a reversal than before it, and no spike.
+    """
     padded = np.pad(residual, 3, mode="edge")
-    around = np.stack([padded[k : k + residual.size] for k in (0, 1, 2, 4, 5, 6)])
-    away = residual - np.median(around, axis=0)
-    return np.asarray(np.abs(away) > least, dtype=np.bool_)
+    middle = np.median(sliding_window_view(padded, 3), axis=1)
+    before, after = residual - middle[: residual.size], residual - middle[4:]
+    away = np.minimum(np.abs(before), np.abs(after))
+    return np.asarray((away > least) & (before * after > 0.0), dtype=np.bool_)
 
 
 def _far_from_step(stretch: Stretch, noise: Noise) -> Mask:

@@ -1,0 +1,54 @@
+"""Windows that stand alone, and those that only seem to."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from usmbench.diagnose.noise import LAGS, Noise
+from usmbench.diagnose.spikes import spiked
+from usmbench.diagnose.stretches import Stretch, cut_runs
+from usmbench.model.effects.first_order import first_order
+from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
+from usmbench.runs.record import Record
+
+N, WINDOW_S, NOISE_RAD_S = 400, 0.01, 0.01
+CURVE = StaticCurve(np.array([-90.0, 0.0, 90.0]), np.array([-10.0, 0.0, 10.0]))
+MODEL = HammersteinModel(
+    first_order(0.0035, 0.0015, WINDOW_S),
+    (OperatingPoint(None, None, CURVE, (-90.0, 90.0), (None, None), NOISE_RAD_S),),
+    "test",
+)
+NOISE = Noise(
+    np.array([-90.0, 90.0]), np.full(2, NOISE_RAD_S), np.empty(0), 1.0, np.zeros((LAGS, 3))
+)
+
+
+@pytest.fixture(scope="module")
+def reversing() -> Stretch:
+    t_s = WINDOW_S * np.arange(1.0, N + 1.0)
+    phase_deg = np.where(np.arange(N) // 20 % 2, 60.0, -60.0)
+    record = Record("reversing", t_s, phase_deg, np.zeros(N), np.full(N, WINDOW_S))
+    (stretch,), _ = cut_runs([record], MODEL, ())
+    return stretch
+
+
+def _alone(stretch: Stretch, residual_rad_s: NDArray[np.float64]) -> list[int]:
+    (far,) = spiked([stretch], [residual_rad_s], NOISE, near_steps=True)
+    return np.flatnonzero(far).tolist()
+
+
+def test_an_error_that_turns_with_the_motion_is_no_spike(reversing: Stretch) -> None:
+    residual_rad_s = 0.02 * reversing.settled_rad_s
+    assert _alone(reversing, residual_rad_s) == []
+    # Nor is the window in which the speed turns.
+    residual_rad_s[20::20] *= 0.1
+    assert _alone(reversing, residual_rad_s) == []
+
+
+@pytest.mark.parametrize("windows", [(51,), (51, 52), (59,), (60,)])
+def test_false_counts_are_spikes_also_beside_a_reversal(
+    reversing: Stretch, windows: tuple[int, ...]
+) -> None:
+    residual_rad_s = 0.02 * reversing.settled_rad_s
+    residual_rad_s[list(windows)] += 1.0
+    assert _alone(reversing, residual_rad_s) == list(windows)
