@@ -15,18 +15,16 @@ from scipy.linalg import block_diag
 
 from usmbench.diagnose.features import Features
 from usmbench.diagnose.noise import Noise, noise_from_mapping
-from usmbench.diagnose.shapes import detuned_rad_s, phase_nodes, widening
+from usmbench.diagnose.shapes import phase_nodes
 from usmbench.diagnose.stretches import Stretch
 from usmbench.diagnose.triangle_text import triangle_of, triangle_text
+from usmbench.diagnose.wander import Wander, departures, least_wander, wander_from_mapping
 from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel
 
 Array = NDArray[np.float64]
 
 KEY = "diagnosis"
-LEAST_GAIN = 3e-4  # repeatability that one run cannot show
-LEAST_DEAD_ZONE_DEG = 0.01
-_RESONANCE = 3e-6  # by which a fifth of a kelvin moves it: no bench starts warmer by less
 _CAUTIOUS_CURVE = 0.2  # of the model's noise, at each node
 _CAUTIOUS_LAG = 0.02
 _TABLE = 2001
@@ -47,10 +45,8 @@ class Knowledge:
     root
         Square root of the covariance of how far a run may be from that: each column is one way in
         which it may, shape (K, K).
-    gain
-        Standard deviation of the gain from run to run, as a share.
-    dead_zone_deg
-        Standard deviation of the dead zone's half width from run to run.
+    wander
+        How far a run may be from that by what differs from run to run.
     spikes_hz
         Rate of windows that stand alone in the identified runs.
     habits
@@ -62,8 +58,7 @@ class Knowledge:
     features: Features
     mean: Array
     root: Array
-    gain: float
-    dead_zone_deg: float
+    wander: Wander
     spikes_hz: float = 0.0
     habits: tuple[dict[str, Any], ...] = ()
 
@@ -104,16 +99,10 @@ class Knowledge:
         shaped, ways = np.any(free, axis=1), np.any(free, axis=0)
         found = []
         for s in stretches:
-            own = np.column_stack(
-                [
-                    self.gain * s.simulated_rad_s,
-                    self.dead_zone_deg * widening(s),
-                    _RESONANCE * detuned_rad_s(s),
-                ]
-            )
-            wander = [own * (s.run == run) for run in runs]
-            found.append(np.column_stack([*compress(self.features.columns(s), shaped), *wander]))
-        apart = np.eye(own.shape[1] * len(runs))
+            shapes = compress(self.features.columns(s), shaped)
+            own = departures(s)
+            found.append(np.column_stack([*shapes, *(own * (s.run == run) for run in runs)]))
+        apart = np.diag(np.tile(self.wander.deviations, len(runs)))
         return found, block_diag(self.root[np.ix_(shaped, ways)], apart)
 
     def to_mapping(self) -> dict[str, Any]:
@@ -123,8 +112,7 @@ class Knowledge:
             "features": self.features.to_mapping(),
             "mean": [float(f"{value:.5g}") for value in self.mean],
             "covariance_root": triangle_text(self.root / self.features.prior[:, None]),
-            "gain": self.gain,
-            "dead_zone_deg": self.dead_zone_deg,
+            **self.wander.to_mapping(),
             "spikes_hz": self.spikes_hz,
             "habits": list(self.habits),
         }
@@ -153,8 +141,7 @@ def knowledge_of(model: HammersteinModel) -> Knowledge:
             features,
             np.array(content["mean"], dtype=np.float64),
             features.prior[:, None] * triangle_of(content["covariance_root"], len(features.groups)),
-            float(content["gain"]),
-            float(content["dead_zone_deg"]),
+            wander_from_mapping(content),
             float(content["spikes_hz"]),
             tuple(content["habits"]),
         )
@@ -203,6 +190,5 @@ def _cautious(model: HammersteinModel) -> Knowledge:
         features,
         np.zeros(len(groups)),
         np.diag([deviation.get(g, 0.0) for g in groups]),
-        LEAST_GAIN,
-        LEAST_DEAD_ZONE_DEG,
+        least_wander(features.top_rad_s, len(model.points)),
     )

@@ -1,7 +1,7 @@
 """The whitened problem: how far a simulation is from the measurement, given all that is known.
 
 The residual's covariance is ``C = noise + Σ τ² u uᵀ``, where each column u is something that may
-differ without being news: the curve's own error, the steps' mean jitter, gain and dead zone of the
+differ without being news: the curve's own error, the steps' mean jitter, gain and friction of the
 run. With the noise whitened to 1, ``eᵀ C⁻¹ e = min_β |e − Uβ|² + |β|²`` (U with its deviations τ
 in it), so a residual is carried as the vector ``[e − Uβ̂; β̂]``: its square is the deviance. U is
 kept as shapes, mostly zeros, and the ways in which they may differ together, which are not.

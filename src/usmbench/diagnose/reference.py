@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from usmbench.diagnose.features import Features, features_of
-from usmbench.diagnose.knowledge import KEY, LEAST_DEAD_ZONE_DEG, LEAST_GAIN, Knowledge
+from usmbench.diagnose.knowledge import KEY, Knowledge
 from usmbench.diagnose.naming import rank
 from usmbench.diagnose.noise import Noise, estimate_noise
 from usmbench.diagnose.problem import Problem
-from usmbench.diagnose.shapes import widening
 from usmbench.diagnose.spikes import PLAIN, count_steady, spiked
 from usmbench.diagnose.stretches import Mask, Stretch, cut_runs
+from usmbench.diagnose.wander import Wander, any_wander, departures, least_wander, measured_wander
 from usmbench.errors import InputError
 from usmbench.model.effects.base import Stage
 from usmbench.model.effects.registry import library
@@ -30,10 +30,8 @@ from usmbench.runs.record import Record
 Array = NDArray[np.float64]
 
 _ROUNDS = 3
-_RUN_GAIN, _RUN_DEAD_ZONE_DEG = 0.05, 2.0  # any run may be off by this while shapes are learnt
 _FOLDS, _BLOCK = 4, 100
 _HUBER = 3.0
-_BEST_GAIN = 2e-4  # no bench repeats better than that
 _TIED = 100.0  # weight with which the runs' own deviations add up to 0
 _CHANCE = 1.0  # standard deviations by which chance alone lets folds differ
 _PLAIN = 30.0  # a deviance that no chance explains
@@ -96,22 +94,22 @@ def measure_knowledge(stretches: Sequence[Stretch]) -> Knowledge:
     noise = estimate_noise(stretches, residuals, uses)
     left, masks = residuals, uses
     mean, root = np.zeros(0), np.zeros((0, 0))
-    own = (_RUN_GAIN, _RUN_DEAD_ZONE_DEG)
+    scale = (features.top_rad_s, features.n_points)
+    wander, least = any_wander(*scale), least_wander(*scale)
     for _ in range(_ROUNDS):
         far = spiked(stretches, left, noise, near_steps=True)
         masks = [use & ~f for use, f in zip(uses, far, strict=True)]
-        mean, root, runs = _learn(features, stretches, noise, masks, own)
-        own = _repeatability(runs)
-        expected = [features.combined(s, mean) for s in stretches]
+        mean, root, runs, variance = _learn(features, stretches, noise, masks, wander)
         left = [
-            r - e - runs[s.run, 0] * s.simulated_rad_s - runs[s.run, 1] * widening(s)
-            for s, r, e in zip(stretches, residuals, expected, strict=True)
+            r - features.combined(s, mean) - departures(s) @ (wander.deviations * runs[s.run])
+            for s, r in zip(stretches, residuals, strict=True)
         ]
+        wander = measured_wander(wander, least, runs, variance)
         noise = estimate_noise(stretches, left, masks)
     far = spiked(stretches, left, noise, near_steps=True, times=PLAIN)
     n_spikes, n_steady = count_steady(stretches, far)
     used_s = max(n_steady, 1) * stretches[0].context.window_s
-    return Knowledge(noise, features, mean, root, *own, n_spikes / used_s)
+    return Knowledge(noise, features, mean, root, wander, n_spikes / used_s)
 
 
 def _learn(
@@ -119,27 +117,26 @@ def _learn(
     stretches: Sequence[Stretch],
     noise: Noise,
     masks: Sequence[Mask],
-    repeatability: tuple[float, float],
-) -> tuple[Array, Array, Array]:
-    """Coefficients, root of how far a run may be from them, each run's own gain and dead zone."""
+    wander: Wander,
+) -> tuple[Array, Array, Array, Array]:
+    """Coefficients, root of how far a run may be from them, each run's own and their variance."""
     prior = features.prior
     whiten = np.r_[1.0, -noise.ar] / noise.innovation
-    n_runs = 1 + max(s.run for s in stretches)
-    own = np.array(repeatability)
-    size = prior.size + 2 * n_runs
+    n_runs, own = 1 + max(s.run for s in stretches), wander.deviations
+    size = prior.size + own.size * n_runs
+    shown = np.zeros((own.size, size), dtype=np.bool_)
     parts = []
     for s, mask in zip(stretches, masks, strict=True):
         shapes = np.zeros((s.context.n, size))
         shapes[:, : prior.size] = np.column_stack(list(features.columns(s))) * prior
-        at = prior.size + 2 * s.run
-        shapes[:, at] = own[0] * s.simulated_rad_s
-        shapes[:, at + 1] = own[1] * widening(s)
+        at = prior.size + own.size * s.run + np.arange(own.size)
+        shapes[:, at] = departures(s) * own
+        shown[np.arange(own.size), at] |= np.any(shapes[:, at] != 0.0, axis=0)
         level = noise.level_rad_s(s)
         white = lfilter(whiten, [1.0], shapes / level[:, None], axis=0)[mask]
         parts.append((s, white, lfilter(whiten, [1.0], s.residual_rad_s / level)[mask], mask))
     # What all runs have in common belongs to the model's error, which the shapes carry.
-    common = np.zeros((2, size))
-    common[0, prior.size :: 2] = common[1, prior.size + 1 :: 2] = _TIED
+    common = _TIED * shown
     ties = np.eye(size) + common.T @ common
     theta = np.zeros(size)
     for _ in range(_ROUNDS):
@@ -149,8 +146,10 @@ def _learn(
     covariance = np.linalg.inv(gram)
     extra = _between(features.groups, grams, slopes)
     root = np.linalg.cholesky(covariance[: prior.size, : prior.size] + np.diag(extra**2))
-    runs = theta[prior.size :].reshape(n_runs, 2) * own
-    return prior * theta[: prior.size], prior[:, None] * root, runs
+    runs, variance = (
+        values[prior.size :].reshape(n_runs, own.size) for values in (theta, np.diag(covariance))
+    )
+    return prior * theta[: prior.size], prior[:, None] * root, runs, variance
 
 
 def _moments(
@@ -197,13 +196,3 @@ def _between(groups: Sequence[str], grams: Array, slopes: Array) -> Array:
         if excess > _CHANCE * np.sqrt(variance):
             extra[names == g] = np.sqrt(excess / scale)
     return extra
-
-
-def _repeatability(runs: Array) -> tuple[float, float]:
-    """Wander of gain and dead zone from run to run, by one estimate of each a run."""
-    if runs.shape[0] < 2:
-        return LEAST_GAIN, LEAST_DEAD_ZONE_DEG
-    # A standard deviation of few values is itself uncertain: err on the side of more wander.
-    inflation = 1.0 + 1.0 / np.sqrt(2.0 * (runs.shape[0] - 1))
-    gain, dead_zone_deg = np.std(runs, axis=0, ddof=1) * inflation
-    return max(float(gain), _BEST_GAIN), max(float(dead_zone_deg), LEAST_DEAD_ZONE_DEG)

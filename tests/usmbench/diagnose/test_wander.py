@@ -1,0 +1,120 @@
+"""What differs from run to run: what moves with it, how far, and that it is no news."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from usmbench.diagnose.pipeline import diagnose
+from usmbench.diagnose.reference import with_knowledge
+from usmbench.diagnose.stretches import cut_runs
+from usmbench.diagnose.wander import Wander, departures, measured_wander, wander_from_mapping
+from usmbench.model.effects.first_order import first_order
+from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
+from usmbench.model.linear import free_run
+from usmbench.runs.record import Record
+
+Array = NDArray[np.float64]
+WINDOW_S, NOISE_RAD_S = 0.01, 0.008
+SLIP_RAD_S = {40_050.0: 0.1, 41_000.0: 1.0}  # that friction takes near standstill
+LINEAR = first_order(0.0035, 0.0015, WINDOW_S)
+BEFORE = Wander(0.01, (0.1, 0.2))
+LEAST = Wander(3e-4, (1e-3, 1e-3))
+RUNS = np.array([[1.0, 0.0, 2.0, 0.5], [-1.0, 0.0, -2.0, -0.5]])
+
+
+def _curve(frequency_hz: float, gain: float = 1.0, friction: float = 1.0) -> StaticCurve:
+    """Return the curve of a rotor that follows the crests but for a slip."""
+    phase_deg = np.linspace(-90.0, 90.0, 181)
+    shares = np.sin(np.radians(phase_deg))
+    slip_rad_s = friction * SLIP_RAD_S[frequency_hz] * (1.0 - shares**2)
+    speed_rad_s = np.maximum(11.0 * gain * np.abs(shares) - slip_rad_s, 0.0) * np.sign(shares)
+    return StaticCurve(phase_deg, speed_rad_s)
+
+
+def _driven(seed: int, gain: float, friction: float, n: int = 3000) -> Record:
+    """Return a run on a day of its own, half of it at each frequency, in an order that turns."""
+    rng = np.random.default_rng(seed)
+    phase_deg = np.repeat(rng.uniform(-88.0, 88.0, n // 10), 10)
+    frequency_hz = np.repeat(sorted(SLIP_RAD_S, reverse=bool(seed % 2)), n // 2)
+    settled = np.zeros(n)
+    for f in SLIP_RAD_S:
+        at = frequency_hz == f
+        settled[at] = _curve(f, gain, friction).speed_rad_s(phase_deg[at])
+    speed = free_run(LINEAR, settled) + NOISE_RAD_S * rng.standard_normal(n)
+    t_s = WINDOW_S * np.arange(1.0, n + 1.0)
+    window_s, torque_nm = np.full(n, WINDOW_S), np.zeros(n)
+    return Record(
+        f"run {seed}",
+        t_s,
+        phase_deg,
+        speed,
+        window_s,
+        frequency_hz=frequency_hz,
+        torque_nm=torque_nm,
+    )
+
+
+@pytest.fixture(scope="module")
+def plain() -> HammersteinModel:
+    points = [
+        OperatingPoint(f, 0.0, _curve(f), (-90.0, 90.0), (None, None), NOISE_RAD_S)
+        for f in SLIP_RAD_S
+    ]
+    return HammersteinModel(LINEAR, tuple(points), "test")
+
+
+def test_a_gain_that_wanders_but_for_the_slip_is_no_news(plain: HammersteinModel) -> None:
+    off = 0.015 * np.array([-1.2, 0.4, 1.1, -0.3, 0.9, -0.9])
+    model = with_knowledge(plain, [_driven(k, 1.0 + g, 1.0) for k, g in enumerate(off, start=10)])
+    for seed, gain in ((1, 1.014), (2, 0.987), (3, 1.006)):
+        assert diagnose([_driven(seed, gain, 1.0)], model).verdict == "no_discrepancy"
+
+
+def test_friction_wanders_at_each_operating_point_by_its_own_amount(
+    plain: HammersteinModel,
+) -> None:
+    off = 0.03 * np.array([-1.2, 0.4, 1.1, -0.3, 0.9, -0.9])
+    model = with_knowledge(plain, [_driven(k, 1.0, 1.0 + c) for k, c in enumerate(off, start=10)])
+    wander = wander_from_mapping(model.residual["diagnosis"])
+    low_rad_s, high_rad_s = wander.held_back_rad_s
+    assert low_rad_s < 0.3 * high_rad_s
+    assert 0.5 < high_rad_s / np.std(off, ddof=1) < 2.0
+    assert wander.gain < 1e-3
+
+
+def test_friction_takes_most_near_standstill_and_nothing_at_the_top(
+    plain: HammersteinModel,
+) -> None:
+    (stretch,), _ = cut_runs([_driven(1, 1.0, 1.0)], plain, ())
+    gain, _, *held_back = departures(stretch).T
+    np.testing.assert_array_equal(gain, stretch.simulated_rad_s)
+    calm, settled = stretch.lag > 8, stretch.settled_rad_s
+    for held, weight in zip(held_back, stretch.points, strict=True):
+        slowed = -held * np.sign(settled)
+        there = calm & (weight == 1.0)
+        assert np.max(np.abs(held[calm & (weight == 0.0)])) < 0.01
+        assert np.min(slowed[there & (np.abs(settled) > 0.5) & (np.abs(settled) < 2.0)]) > 0.9
+        assert np.max(np.abs(held[there & (np.abs(settled) < 1e-3)]), initial=0.0) < 0.02
+        assert np.max(slowed[there & (np.abs(settled) > 0.999 * np.max(np.abs(settled)))]) < 0.1
+
+
+def test_the_wander_is_the_spread_of_the_runs_and_what_their_number_leaves_open() -> None:
+    runs = np.concatenate([RUNS, RUNS])
+    found = measured_wander(BEFORE, LEAST, runs, np.zeros_like(runs))
+    spread = np.sqrt(4.0 / 3.0) * (1.0 + 1.0 / np.sqrt(6.0))
+    assert found.gain == pytest.approx(0.01 * spread)
+    assert found.held_back_rad_s == pytest.approx((0.2 * spread, 0.1 * spread))
+
+
+def test_a_run_that_cannot_show_a_departure_does_not_count() -> None:
+    more, sure = np.concatenate([RUNS, 0.0 * RUNS]), np.zeros_like(RUNS)
+    found = measured_wander(BEFORE, LEAST, more, np.concatenate([sure, sure + 1.0]))
+    assert found == measured_wander(BEFORE, LEAST, RUNS, sure)
+
+
+def test_one_run_shows_no_wander() -> None:
+    assert measured_wander(BEFORE, LEAST, np.zeros((1, 4)), np.zeros((1, 4))) == LEAST
+
+
+def test_the_wander_comes_back_from_the_model_file() -> None:
+    assert wander_from_mapping(BEFORE.to_mapping()) == BEFORE
