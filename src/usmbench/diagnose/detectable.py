@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.stats import chi2, norm
 
-from usmbench.diagnose.naming import LEAST_DROP, SIGNIFICANT
+from usmbench.diagnose.naming import CLEAR
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.result import Detectable
 from usmbench.model.effects.base import Effect, Parameter
@@ -30,8 +30,7 @@ def smallest_sizes(
     spread
         Standard deviation of the whitened noise.
     """
-    threshold = float(chi2.isf(SIGNIFICANT / max(len(effects), 1), 1))
-    threshold = max(threshold, LEAST_DROP * problem.n_rows)
+    threshold = float(chi2.isf(CLEAR / max(len(effects), 1), 1))
     wanted = (math.sqrt(threshold) + float(norm.ppf(_POWER))) ** 2 * spread**2
     found: dict[str, Detectable] = {}
     for effect in effects:

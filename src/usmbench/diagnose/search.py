@@ -11,7 +11,7 @@ from usmbench.diagnose.found import Found
 from usmbench.diagnose.gain import held_out_drop
 from usmbench.diagnose.knowledge import Knowledge
 from usmbench.diagnose.naming import (
-    LEAST_DROP,
+    CLEAR,
     SIGNIFICANT,
     Ranked,
     earns_its_place,
@@ -96,8 +96,8 @@ def _named(
     named: list[list[Ranked]] = []
     fit, here, earned = Fit((), 0.0, 0.0), ranked, np.zeros(1)
     taken: set[str] = set()
-    while here and len(named) < _MOST_CAUSES and here[0].p_value < SIGNIFICANT:
-        if here[0].score <= 0.0 or here[0].statistic < LEAST_DROP * problem.n_rows:
+    while here and len(named) < _MOST_CAUSES and here[0].p_value < CLEAR:
+        if here[0].score <= 0.0:
             break
         if named and not earns_its_place(here[0], named[0][0]):
             break
