@@ -32,6 +32,7 @@ Array = NDArray[np.float64]
 _MOST_POINTS = 3000
 # What has no name is a finding only from half the noise's rms on; a name must earn its own place.
 _LEAST_EXCESS = 0.25
+_MOST_NAMED = 2  # where a third earns its place, too, it is more likely that none is the cause
 
 
 def diagnose(records: Sequence[Record], model: HammersteinModel) -> Diagnosis:
@@ -84,7 +85,10 @@ def _verdict(found: Found, sporadic: Sporadic | None) -> Verdict:
     """Say whether what is named may stand."""
     if found.named:
         says = verdict(found.before, found.after, found.fit.statistic)
-        if says == "unexplained" or found.mostly_left:
+        if len(found.named) > _MOST_NAMED:
+            return "unexplained"
+        # Several that leave something are patches on what the library does not know.
+        if says == "unexplained" or found.mostly_left or (says != "explained" and found.named[1:]):
             return "partly_explained" if found.by_chance else "unexplained"
         return says
     # Windows that stand alone are not the matter where most is wrong elsewhere.
