@@ -14,7 +14,7 @@ from usmbench.diagnose.scanning import fit_effect, sharpen
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
 
-SIGNIFICANT = 0.01
+SIGNIFICANT = 0.01  # of what is weighed further, and of single windows
 # Family-wise, for a name: no covariance knows all of a healthy model's error, whose tails are
 # heavier than the noise's; see "nothing hidden" in benchmarks/naming_campaign.py.
 CLEAR = 1e-4
