@@ -17,7 +17,7 @@ from usmbench.runs.dwells import dwell_begin
 
 Array = NDArray[np.float64]
 
-_BLOCK_ROWS = 200
+_BLOCK_ROWS = 25
 _FORGOTTEN = 1e-6
 
 

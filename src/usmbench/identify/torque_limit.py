@@ -25,7 +25,7 @@ from usmbench.model.linear import fading, fitted_start_rad_s, free_run
 
 Array = NDArray[np.float64]
 
-_JUDGED_ROWS = 2500
+_JUDGED_ROWS = (2500, 200)  # in all, and of each stretch
 _FEWEST_CHANGES = 40
 _HINT = 5.0  # standard deviations
 _CLEARLY = 0.9  # of the lag's loss
@@ -98,7 +98,8 @@ def limited_fit(search: RobustFit, lag: LagFamily, found: Polished) -> Estimate 
     """
     stretches = search.problem.stretches
     courses = courses_of(stretches, found)
-    share = min(1.0, _JUDGED_ROWS / sum(c.half.size for c in courses))
+    rows = max(_JUDGED_ROWS[0], _JUDGED_ROWS[1] * len(courses))
+    share = min(1.0, rows / sum(c.half.size for c in courses))
     judged = [course.beginning(share) for course in courses]
     speeds = np.concatenate([c.settled_rad_s for c in judged])
     changes = sum(int(np.count_nonzero(c.changing & (c.half >= 0))) for c in judged)
@@ -131,7 +132,7 @@ def _hinted(
         moves.append(scaled_residual(courses, family.lag, nudged, scale, whole) - left)
     moves.append(scaled_residual(courses, family, start, scale, whole) - left)
     columns = np.column_stack(moves)
-    root = bisquare_root(left)
+    root = (1.0 + left**2) ** -0.25  # of the weights in the loss: large steps miss by much
     columns *= (root / np.maximum(np.linalg.norm(columns, axis=0), 1e-300)[:, None]).T
     q, r = np.linalg.qr(columns)
     return abs(float(r[-1, -1])) > _NUDGE and abs(float(q[:, -1] @ (root * left))) > _HINT

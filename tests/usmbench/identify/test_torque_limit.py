@@ -16,14 +16,14 @@ from usmbench.runs.record import Record
 Measure = Callable[..., Record]
 
 SLIP_RAD_S, NOISE_RAD_S = 8.0, 0.02
+LAG = LagFamily(1.0).dynamics(np.array([np.log(0.35), 0.15]))
+LIMITED = replace(LAG, slip_limit_rad_s=SLIP_RAD_S).linear_part(0.01)
 
 
 def limited_run(measure: Measure, curve: StaticCurve, seed: int = 0, n: int = 3000) -> Record:
     """Return a run of the motor with the same lag and a torque limit."""
     record = measure(n, seed=seed)
-    lag = LagFamily(1.0).dynamics(np.array([np.log(0.35), 0.15]))
-    linear = replace(lag, slip_limit_rad_s=SLIP_RAD_S).linear_part(0.01)
-    clean = free_run(linear, curve.speed_rad_s(record.phase_deg))
+    clean = free_run(LIMITED, curve.speed_rad_s(record.phase_deg))
     rng = np.random.default_rng(100 + seed)
     return replace(record, speed_rad_s=clean + NOISE_RAD_S * rng.standard_normal(n))
 
@@ -45,6 +45,18 @@ def test_the_limit_is_found_with_an_interval(measure: Measure, curve: StaticCurv
         assert reach < 0.05 * truth
     assert found.to_json()["slip_limit_rad_s"] == linear.slip_limit_rad_s
     assert not found.model.unexplained
+
+
+def test_many_small_steps_do_not_hide_the_limit(measure: Measure, curve: StaticCurve) -> None:
+    large, gentle = limited_run(measure, curve, n=600), []
+    for seed in range(1, 9):
+        phase_deg = 60.0 * (seed % 2) - 30.0 + 0.04 * np.repeat(np.arange(300.0), 5)
+        quiet_rad_s = 0.1 * NOISE_RAD_S * np.random.default_rng(seed).standard_normal(1500)
+        speed_rad_s = free_run(LIMITED, curve.speed_rad_s(phase_deg)) + quiet_rad_s
+        record = measure(1500, seed=seed)
+        gentle.append(replace(record, phase_deg=phase_deg, speed_rad_s=speed_rad_s))
+    linear = identify_fast([large, *gentle], FastOptions()).model.linear
+    assert linear.slip_limit_rad_s == pytest.approx(SLIP_RAD_S, rel=0.05)
 
 
 def test_an_unseen_run_is_met_to_the_noise(measure: Measure, curve: StaticCurve) -> None:
