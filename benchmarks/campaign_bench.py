@@ -13,8 +13,16 @@ from numpy.typing import NDArray
 from benchmarks.campaign_draws import Draw
 from benchmarks.campaign_outcome import Outcome
 from benchmarks.campaign_runs import FREQUENCIES_HZ, PLANS, Excited, Measured, Motor
+from benchmarks.campaign_sizes import (
+    not_far_out,
+    shown_again,
+    spread_rad_s,
+    strength_of,
+    without_gain,
+)
 from hil_sim.defects import Defect
 from usmbench.cli.main import main as usmbench
+from usmbench.diagnose.gain import gain_of_blocks
 from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.stretches import cut_runs
@@ -31,9 +39,7 @@ SMALL_REFERENCE_S: Final = 12.0
 _BESIDE_HZ: Final = (-25.0, 0.0, 25.0)  # near enough for the slope, far enough for the noise
 _FRESH: Final = 5000
 _HEALTHY: Final = 700
-_FAR: Final = 6.0
 _LARGE: Final = 2.0
-_HANDFUL: Final = 10  # windows
 _FRESH_EVERY: Final = 4  # a fresh run costs as much as the draw itself
 
 
@@ -131,18 +137,18 @@ class MotorBench:
         return self._folder / "extended.yaml"
 
     def _compare(self, outcome: Outcome, record: Record, draw: Draw) -> None:
-        """Hold what is hidden against the noise, and against the model's error."""
+        """Hold what is hidden against the noise."""
         excited, quiet = draw.excited, self._quiet(draw.excited, draw.number)
         healthy = read_run(self.measured(excited, _HEALTHY)).speed_rad_s
-        even, again = _without_gain(healthy - quiet, quiet), record.speed_rad_s - healthy
+        even, again = without_gain(healthy - quiet, quiet), record.speed_rad_s - healthy
         _, inside = _error(self.model, record)
-        regular = np.abs(quiet - self._quiet(excited, 0)) < _level(even)
-        steady = inside & regular & _regular(even)
+        regular = np.abs(quiet - self._quiet(excited, 0)) < spread_rad_s(even)
+        steady = inside & regular & not_far_out(even)
 
         defects = draw.hidden.made
         hidden = self._quiet(excited, draw.number, defects)
         effect = hidden - quiet
-        sure = steady & _sure(effect, again, _LARGE * _level(even))
+        sure = steady & shown_again(effect, again, _LARGE * spread_rad_s(even))
 
         noise_rad_s = float(np.sqrt(np.mean(even[sure] ** 2)))
         wanders = self._wanders(excited, quiet)[sure]
@@ -166,7 +172,7 @@ class MotorBench:
         hidden = self._quiet(excited, day, defects)
         ((stretch,), _), noise = cut_runs([record], model, ()), knowledge_of(model).noise
         assert noise is not None
-        rows = inside & _regular(record.speed_rad_s - hidden)
+        rows = inside & not_far_out(record.speed_rad_s - hidden)
         truly = plain - (hidden - self._quiet(excited, day))
         floor = noise.level_rad_s(stretch)[rows]
         outcome.fresh_gain = _gain(plain[rows], better[rows], floor)
@@ -193,59 +199,10 @@ def _error(model: Path, record: Record) -> tuple[Array, NDArray[np.bool_]]:
     return record.speed_rad_s - simulation.speed_rad_s, simulation.inside
 
 
-def _without_gain(error: Array, quiet: Array) -> Array:
-    """Take the wander of the gain out of a healthy run's error."""
-    return error - float(error @ quiet) / float(quiet @ quiet) * quiet
-
-
-def _level(error: Array) -> float:
-    """Spread of the bulk of an error."""
-    return 1.4826 * float(np.median(np.abs(error)))
-
-
-def _regular(error: Array) -> NDArray[np.bool_]:
-    """Return the windows that are not far out."""
-    near: NDArray[np.bool_] = np.abs(error) < _FAR * _level(error)
-    return near
-
-
-def _sure(effect: Array, again: Array, far_rad_s: float) -> NDArray[np.bool_]:
-    """Return the windows in which a second pair of runs shows as large an effect, if it is large.
-
-    Whether the motor starts in a window or in the next, and on which side of a window's end an
-    edge falls where it hardly turns, may hang on nothing at all.
-    """
-    near = (effect * again > 0.0) & (np.abs(again) > 0.5 * np.abs(effect))
-    return (np.abs(effect) < far_rad_s) | near
-
-
-def strength_of(effect: Array, wanders: Array, noise_rad_s: float) -> float:
-    """Root of an effect's deviance a window: its rms over the noise's, where nothing wanders.
-
-    Of an effect that looks like another gain, no run tells more than how many wanders it amounts
-    to; and what shows in a handful of windows only has no name, however large it is there.
-
-    Parameters
-    ----------
-    effect
-        What is hidden, in rad/s, shape (N,).
-    wanders
-        What a standard deviation of all that wanders from run to run changes, shape (N, K).
-    noise_rad_s
-        Root mean square of the noise.
-    """
-    usual = np.argsort(np.abs(effect))[:-_HANDFUL]
-    hidden, ways = effect[usual] / noise_rad_s, wanders[usual] / noise_rad_s
-    beta = np.linalg.solve(ways.T @ ways + np.eye(ways.shape[1]), ways.T @ hidden)
-    deviance = float(np.sum((hidden - ways @ beta) ** 2) + beta @ beta)
-    return float(np.sqrt(deviance / usual.size))
-
-
 def _gain(before: Array, after: Array, floor: Array) -> float:
-    """Share of the mean square above the floor that is gone, as diagnose means it."""
-    whole, left, least = (float(np.mean(e**2)) for e in (before, after, floor))
-    share = (whole - left) / max(whole - min(least, left), 1e-12)
-    return float(np.clip(share, 0.0, 1.0))
+    """Share of the mean square above the floor that is gone, as diagnose counts it."""
+    squares = [float(np.sum(e**2)) for e in (before, after, floor)]
+    return gain_of_blocks(np.array([*squares, before.size, before.size])[:, None]).gain
 
 
 def _command(*words: str | Path) -> None:

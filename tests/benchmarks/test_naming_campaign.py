@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.campaign_bench import MotorBench, strength_of
+from benchmarks.campaign_bench import MotorBench
 from benchmarks.campaign_draws import GROUPS, Choice, Draw, Hidden, draws, hide, motor_of
 from benchmarks.campaign_outcome import Outcome
 from benchmarks.campaign_runs import Excited, Measured, Motor
+from benchmarks.campaign_sizes import strength_of
 from benchmarks.campaign_tables import report, share, wrong_ones
 from hil_sim.defects import CATALOGUE
 from usmbench.runs.reader import read_run

@@ -11,7 +11,7 @@ _MEND = "Read the generator's phase register back, and check how many of its bit
 _COARSEST_DEG = 60.0
 _FINEST_DEG = 0.7
 _MANY = 100
-_MEANT = 1e-3
+_MEANT = 1e-3  # of a usual step: nearer than that nobody builds another
 _SAME_STEP = 1e-9  # a commanded multiple must not fall below itself by rounding
 # Registers with n values, and round numbers of degrees.
 _USUAL_DEG = sorted(
