@@ -1,0 +1,149 @@
+"""Stepwise naming: add causes while each earns its place, and weigh two of them together."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.diagnose.fitting import Fit
+from usmbench.diagnose.gain import held_out_drop
+from usmbench.diagnose.naming import (
+    CLEAR,
+    TELLING,
+    Ranked,
+    earns_its_place,
+    rank,
+    same_shape,
+)
+from usmbench.diagnose.problem import Basis, Problem
+from usmbench.diagnose.refining import refine_widely
+from usmbench.model.effects.base import Effect
+from usmbench.model.extended import Applied
+
+Array = NDArray[np.float64]
+
+_MOST_CAUSES = 3
+_FEWEST_ROWS = 8.0  # that a cause has to explain better
+_TURNS = 4  # of weighing one of two causes given the other
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """Causes that earned their place.
+
+    Parameters
+    ----------
+    rankings
+        One a cause, each given the others that were there when it was last weighed.
+    fit
+        All of them together.
+    spread
+        Standard deviation of the whitened noise that they leave.
+    """
+
+    rankings: list[list[Ranked]]
+    fit: Fit
+    spread: float
+
+
+def name_causes(
+    problem: Problem,
+    basis: Basis,
+    ranked: list[Ranked],
+    effects: Sequence[Effect],
+    spread: float,
+) -> Named:
+    """Add causes while each explains more of blocks that its fit has not seen.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    basis
+        Directions in which a model may be wrong.
+    ranked
+        Every cause alone, best first.
+    effects
+        Causes to weigh, none of them sporadic.
+    spread
+        Standard deviation of the whitened noise where nothing is named.
+    """
+    found, here, earned = Named([], Fit((), 0.0, 0.0), spread), ranked, np.zeros(1)
+    while here and len(found.rankings) < _MOST_CAUSES:
+        if here[0].p_value >= CLEAR or here[0].score <= 0.0:
+            break
+        before = found.rankings
+        if len(before) == 1:
+            before, here = _together(problem, effects, found.spread, before[0], here)
+        longer = refine_widely(problem, here[0].fit)
+        drop = held_out_drop(problem, longer)
+        if not _holds(problem, found, longer, drop - earned):
+            break
+        left = noise_spread(problem, basis, longer.effects)
+        found, earned = Named([*before, here], longer, left), drop
+        taken = set().union(*map(same_shape, found.rankings))
+        here = rank(problem, [e for e in effects if e.name not in taken], left, longer)
+    return found
+
+
+def _holds(problem: Problem, found: Named, longer: Fit, more: Array) -> bool:
+    """Whether what a further cause explains is worth a name."""
+    if found.rankings:
+        gained = (longer.statistic - found.fit.statistic) / found.spread**2
+        left = (problem.deviance - found.fit.statistic) / found.spread**2 - problem.n_rows
+        if not earns_its_place(gained, found.rankings[0][0], left):
+            return False
+    # One block alone may be an accident.
+    unseen = min(float(np.sum(more)), float(np.sum(more) - np.max(more)))
+    return unseen > 0.0 and _rows_behind(problem, found.fit, longer) >= _FEWEST_ROWS
+
+
+def _together(
+    problem: Problem,
+    effects: Sequence[Effect],
+    spread: float,
+    first: list[Ranked],
+    second: list[Ranked],
+) -> tuple[list[list[Ranked]], list[Ranked]]:
+    """Weigh each of two causes given the other, until both stand.
+
+    A cause that looks a little like two others is the best alone, and is neither.
+    """
+    brings = first[0].fit.statistic + second[0].fit.statistic
+    for _ in range(_TURNS):
+        kept = second[0]
+        alone = refine_widely(problem, replace(kept.fit, effects=kept.fit.effects[-1:]))
+        others = [e for e in effects if e.name != kept.effect.name]
+        again = rank(problem, others, spread, alone)
+        if again[0].effect == first[0].effect:
+            return [again], second
+        more = alone.statistic + again[0].fit.statistic
+        if more < brings + TELLING * spread**2:
+            break
+        first, second, brings = second, again, more
+    return [first], second
+
+
+def _rows_behind(problem: Problem, fit: Fit, longer: Fit) -> float:
+    """Effective number of the rows that more causes explain better: (Σd)²/Σd² of what they gain."""
+    before, after = (problem.left(f.effects)[: problem.n_rows] ** 2 for f in (fit, longer))
+    gained = np.maximum(before - after, 0.0)
+    return float(np.sum(gained) ** 2 / max(float(np.sum(gained**2)), 1e-300))
+
+
+def noise_spread(problem: Problem, basis: Basis, effects: Sequence[Applied]) -> float:
+    """Return the robust standard deviation of the whitened noise outside the views, at least 1.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    basis
+        Directions in which a model may be wrong.
+    effects
+        Effects that are taken out first.
+    """
+    left = problem.left(effects)
+    rows = (left - basis.vectors @ (basis.vectors.T @ left))[: problem.n_rows]
+    return max(1.0, 1.4826 * float(np.median(np.abs(rows))))
