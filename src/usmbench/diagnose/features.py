@@ -11,7 +11,8 @@ direction the same, with the sign of the last move: what depends on where φ cam
 time      the speed, times a hat over time: the motor warms in every run
 heat      the speed, times the power it has taken so far: and warms by how it is driven
 resonance both again, of what the resonance's move does, where the model knows several frequencies
-lag k     the step, k windows after it, times hats over the speeds it leads from and to
+lag k     the step, k windows after it, times hats over the speeds it leads from and to; again
+          times the place in frequency and torque: the lag changes along the resonance
 edge      what a wider dead zone changes, times a hat over time: it widens as the motor warms
 start     a speed lost near standstill, after each kind of step, and a dead zone that is wider
           outward bound: a rotor sticks
@@ -42,6 +43,7 @@ Array = NDArray[np.float64]
 _TIME_NODES, _EDGE_NODES = 8, 4
 _TABLE = 2001
 _CELLS = (7, 5, 3, 2, 2, 2)  # nodes along each speed at each lag
+_DENSER = 2.5  # how much denser these are near standstill, where friction holds the rotor
 _CREEP = (0.01, 0.03)  # speeds near standstill, as shares of the highest
 _REACH = 0.25  # share of the known time by which a line in time is carried on
 _LAG_GROUPS = tuple(f"lag {k}" for k in range(LAGS))
@@ -85,6 +87,8 @@ class Features:
         Time up to which the runs reached that the model was identified on.
     n_points
         Number of the model's operating points.
+    n_places
+        Whether these differ in frequency, in torque (1) or in both (2).
     steepest_rad_s
         Largest change of the speed with the relative drive frequency; None where the model knows
         one frequency only.
@@ -94,6 +98,7 @@ class Features:
     top_rad_s: float
     end_s: float
     n_points: int = 1
+    n_places: int = 0
     steepest_rad_s: float | None = None
 
     @property
@@ -106,7 +111,7 @@ class Features:
             2,
             0 if self.steepest_rad_s is None else _TIME_NODES + 3,
             _EDGE_NODES - 1,
-            *(n * n for n in _CELLS),
+            *((1 + self.n_places) * n * n for n in _CELLS),
             KINDS * len(_CREEP) + 1,
             4,
         ]
@@ -178,11 +183,13 @@ class Features:
         after = np.clip(stretch.settled_rad_s / self.top_rad_s, -1.0, 1.0)
         before = np.clip(after - stretch.step_rad_s / self.top_rad_s, -1.0, 1.0)
         for lag, n_nodes in enumerate(_CELLS):
-            nodes = np.linspace(-1.0, 1.0, n_nodes)
+            even = np.linspace(-1.0, 1.0, n_nodes)
+            nodes = np.sign(even) * np.abs(even) ** _DENSER
             step = stretch.step_rad_s * (stretch.lag == lag)
             ends = list(hats(after, nodes))
-            for start in hats(before, nodes):
-                yield from (step * start * end for end in ends)
+            for place in (1.0, *stretch.places):
+                for start in hats(before, nodes):
+                    yield from (place * step * start * end for end in ends)
 
     def _near_standstill(self, stretch: Stretch) -> Iterator[Array]:
         """Yield speeds lost near standstill, by the kind of the last step."""
@@ -215,6 +222,7 @@ class Features:
             "top_rad_s": self.top_rad_s,
             "end_s": self.end_s,
             "n_points": self.n_points,
+            "n_places": self.n_places,
             "steepest_rad_s": self.steepest_rad_s,
         }
 
@@ -237,6 +245,7 @@ def features_of(stretches: Sequence[Stretch]) -> Features:
         max(max(float(np.max(np.abs(s.settled_rad_s))) for s in stretches), 1e-9),
         max(float(s.context.t_s[-1]) for s in stretches),
         len(stretches[0].points),
+        len(stretches[0].places),
         _steepest_rad_s(stretches),
     )
 

@@ -18,9 +18,16 @@ from usmbench.diagnose.noise import Noise, noise_from_mapping
 from usmbench.diagnose.shapes import phase_nodes
 from usmbench.diagnose.stretches import Stretch
 from usmbench.diagnose.triangle_text import triangle_of, triangle_text
-from usmbench.diagnose.wander import Wander, departures, least_wander, wander_from_mapping
+from usmbench.diagnose.wander import (
+    LEAST,
+    Wander,
+    departures,
+    wander_from_mapping,
+    wander_of_shares,
+)
 from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel
+from usmbench.model.operating_points import places_among
 
 Array = NDArray[np.float64]
 
@@ -166,6 +173,7 @@ def _features(content: dict[str, Any]) -> Features:
         float(content["top_rad_s"]),
         float(content["end_s"]),
         int(content.get("n_points", 1)),
+        int(content.get("n_places", 0)),
         None if steepest_rad_s is None else float(steepest_rad_s),
     )
 
@@ -181,6 +189,7 @@ def _cautious(model: HammersteinModel) -> Knowledge:
         max(max(float(np.max(np.abs(p.curve.delta))) for p in model.points), 1e-9),
         1.0,
         len(model.points),
+        len(places_among(model.points, list(np.eye(len(model.points))))),
     )
     lags = {g: _CAUTIOUS_LAG for g in features.groups if g.startswith("lag")}
     deviation = {"phase": _CAUTIOUS_CURVE * noise_rad_s, **lags}
@@ -190,5 +199,5 @@ def _cautious(model: HammersteinModel) -> Knowledge:
         features,
         np.zeros(len(groups)),
         np.diag([deviation.get(g, 0.0) for g in groups]),
-        least_wander(features.top_rad_s, len(model.points)),
+        wander_of_shares(LEAST, features.top_rad_s, len(model.points)),
     )

@@ -1,14 +1,15 @@
 """The noise of a free-running residual: its size by phase, its colour, and the steps' jitter.
 
-The residual is taken as ``e_t = √(σ(φ)² + (κ_kc s)²) n_t``, k windows after a step of s in the
+The residual is taken as ``e_t = √(σ(φ)² + κ_kc(|s|)²) n_t``, k windows after a step of s in the
 settled speed, with n an autoregressive process of unit variance and c the kind of the step: from
-running to running the same way, into a stop, or out of one (a reversal goes through one). The part
-in s is the moment at which a command takes effect within a window, which no free run can know, and
-at which a stopping rotor sticks.
+running to running the same way, into a stop, out of one, or through one, which is a reversal. κ is
+the moment at which a command takes effect within a window, which no free run can know, and grows
+with the step; and that at which a stopping rotor sticks or a standing one comes free, which hardly
+does.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,8 @@ from usmbench.diagnose.stretches import Mask, Stretch
 
 Array = NDArray[np.float64]
 
-LAGS, KINDS = 6, 3
+LAGS, KINDS = 6, 4
+_SIZES, _FEWEST_OF_SIZE = 4, 8
 _HIGHEST_ORDER = 6
 _BINS = 16
 _CORNER_DEG = 1.0
@@ -42,15 +44,16 @@ class Noise:
         Coefficients of n_t = Σ ar_i n_{t−i} + innovation, shape (p,).
     innovation
         Standard deviation of the innovation.
-    lag_spread
-        κ_kc as shares of the step, shape (LAGS, KINDS).
+    step_rad_s, step_spread_rad_s
+        Sizes |s| of a step (rising) and κ at these, shape (LAGS, KINDS, sizes).
     """
 
     phase_deg: Array
     sigma_rad_s: Array
     ar: Array
     innovation: float
-    lag_spread: Array
+    step_rad_s: Array
+    step_spread_rad_s: Array
 
     def level_rad_s(self, stretch: Stretch) -> Array:
         """Return the standard deviation on each row of a stretch.
@@ -61,9 +64,14 @@ class Noise:
             The stretch.
         """
         sigma = np.interp(stretch.context.phase_deg, self.phase_deg, self.sigma_rad_s)
-        table = np.vstack([self.lag_spread, np.zeros(KINDS)])
-        spread = table[np.minimum(stretch.lag, LAGS), step_kind(stretch)]
-        level: Array = np.hypot(np.hypot(sigma, spread * stretch.step_rad_s), bend_rad_s(stretch))
+        size, kind = np.abs(stretch.step_rad_s), step_kind(stretch)
+        spread = np.zeros(size.size)
+        for k, c in np.ndindex(LAGS, KINDS):
+            rows = (stretch.lag == k) & (kind == c)
+            nodes, values = (np.r_[0.0, a[k, c]] for a in (self.step_rad_s, self.step_spread_rad_s))
+            beyond = np.maximum(size[rows] / max(nodes[-1], 1e-300), 1.0)
+            spread[rows] = np.interp(size[rows], nodes, values) * beyond
+        level: Array = np.hypot(np.hypot(sigma, spread), bend_rad_s(stretch))
         return level
 
     def to_mapping(self) -> dict[str, Any]:
@@ -73,7 +81,8 @@ class Noise:
             "sigma_rad_s": self.sigma_rad_s.tolist(),
             "ar": self.ar.tolist(),
             "innovation": self.innovation,
-            "lag_spread": self.lag_spread.tolist(),
+            "step_rad_s": self.step_rad_s.tolist(),
+            "step_spread_rad_s": self.step_spread_rad_s.tolist(),
         }
 
 
@@ -90,7 +99,7 @@ def noise_from_mapping(content: dict[str, Any]) -> Noise:
     KeyError
         A key is missing.
     """
-    names = ("phase_deg", "sigma_rad_s", "ar", "lag_spread")
+    names = ("phase_deg", "sigma_rad_s", "ar", "step_rad_s", "step_spread_rad_s")
     arrays = {name: np.array(content[name], dtype=np.float64) for name in names}
     return Noise(innovation=float(content["innovation"]), **arrays)
 
@@ -119,13 +128,14 @@ def estimate_noise(
     if np.count_nonzero(quiet) < 50:
         quiet = use & (lag >= min(2, int(lag[use].max(initial=0))))
     centres, sigma = _levels(phase_deg[quiet], error[quiet])
-    spread = np.zeros((LAGS, KINDS))
+    middle = float(np.median(sigma))
+    sizes, spreads = np.ones((LAGS, KINDS, _SIZES)), np.zeros((LAGS, KINDS, _SIZES))
     for k, c in np.ndindex(LAGS, KINDS):
-        rows = use & (lag == k) & (kind == c)
-        spread[k, c] = _step_share(step[rows], error[rows], float(np.median(sigma)))
-    flat = Noise(centres, sigma, np.empty(0), 1.0, spread)
+        rows = use & (lag == k) & (kind == c) & (np.abs(step) > 2.0 * middle)
+        sizes[k, c], spreads[k, c] = _by_size(np.abs(step[rows]), error[rows], middle)
+    flat = Noise(centres, sigma, np.empty(0), 1.0, sizes, spreads)
     ar, innovation = _colour(stretches, residuals, masks, flat)
-    return Noise(centres, sigma, ar, innovation, spread)
+    return replace(flat, ar=ar, innovation=innovation)
 
 
 def bend_rad_s(stretch: Stretch) -> Array:
@@ -143,7 +153,7 @@ def bend_rad_s(stretch: Stretch) -> Array:
 
 
 def step_kind(stretch: Stretch) -> NDArray[np.int64]:
-    """Return the kind of the last step of each row: 0 running on, 1 into a stop, 2 out of one.
+    """Return the kind of each row's last step: 0 runs on, 1 into a stop, 2 out of it, 3 through it.
 
     Parameters
     ----------
@@ -153,8 +163,8 @@ def step_kind(stretch: Stretch) -> NDArray[np.int64]:
     after = stretch.settled_rad_s
     before = after - stretch.step_rad_s
     least = _STANDING * float(np.max(np.abs(after), initial=0.0))
-    stopped, stood = np.abs(after) <= least, (np.abs(before) <= least) | (before * after < 0.0)
-    return np.where(stopped, 1, np.where(stood, 2, 0))
+    stopped, stood = np.abs(after) <= least, np.abs(before) <= least
+    return np.select([stopped, stood, before * after < 0.0], [1, 2, 3], 0)
 
 
 def _levels(phase_deg: Array, error: Array) -> tuple[Array, Array]:
@@ -177,17 +187,19 @@ def _spread(values: Array) -> float:
     return max(_NORMAL * float(np.median(size)), float(np.sqrt(np.mean(trimmed**2))))
 
 
-def _step_share(step: Array, error: Array, sigma: float) -> float:
-    """Spread of the residual over the step."""
-    rows = np.abs(step) > 2.0 * sigma
-    if np.count_nonzero(rows) < 8:
-        return 0.0
-    weight = np.abs(step[rows])
-    apart = (error[rows] / step[rows]) ** 2
-    noise = (sigma / step[rows]) ** 2
-    kept = apart <= np.quantile(apart, 0.97)
-    extra = float(np.average((apart - noise)[kept], weights=weight[kept])) * _TRIMMED
-    return float(np.sqrt(max(extra, 0.0)))
+def _by_size(size_rad_s: Array, error: Array, sigma: float) -> tuple[Array, Array]:
+    """Sizes of steps, and the residual's spread there beyond the noise's."""
+    n_bins = min(size_rad_s.size // _FEWEST_OF_SIZE, _SIZES)
+    if n_bins == 0:
+        return np.ones(_SIZES), np.zeros(_SIZES)
+    sizes, spreads = [], []
+    for rows in np.array_split(np.argsort(size_rad_s, kind="stable"), n_bins):
+        square = error[rows] ** 2
+        kept = float(np.mean(square[square <= np.quantile(square, 0.97)]))
+        sizes.append(float(np.mean(size_rad_s[rows])))
+        spreads.append(np.sqrt(max(_TRIMMED * kept - sigma**2, 0.0)))
+    missing = _SIZES - n_bins
+    return np.pad(sizes, (missing, 0), mode="edge"), np.pad(spreads, (missing, 0), mode="edge")
 
 
 def _colour(

@@ -19,7 +19,14 @@ from usmbench.diagnose.noise import Noise, estimate_noise
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.spikes import PLAIN, count_steady, spiked
 from usmbench.diagnose.stretches import Mask, Stretch, cut_runs
-from usmbench.diagnose.wander import Wander, any_wander, departures, least_wander, measured_wander
+from usmbench.diagnose.wander import (
+    ANY,
+    LEAST,
+    Wander,
+    departures,
+    measured_wander,
+    wander_of_shares,
+)
 from usmbench.errors import InputError
 from usmbench.model.effects.base import Stage
 from usmbench.model.effects.registry import library
@@ -28,6 +35,7 @@ from usmbench.model.hammerstein import HammersteinModel
 from usmbench.runs.record import Record
 
 Array = NDArray[np.float64]
+Part = tuple[Stretch, Array, Array, Mask]  # whitened shapes and error on the rows that count
 
 _ROUNDS = 3
 _FOLDS, _BLOCK = 4, 100
@@ -94,8 +102,9 @@ def measure_knowledge(stretches: Sequence[Stretch]) -> Knowledge:
     noise = estimate_noise(stretches, residuals, uses)
     left, masks = residuals, uses
     mean, root = np.zeros(0), np.zeros((0, 0))
-    scale = (features.top_rad_s, features.n_points)
-    wander, least = any_wander(*scale), least_wander(*scale)
+    wander, least = (
+        wander_of_shares(shares, features.top_rad_s, features.n_points) for shares in (ANY, LEAST)
+    )
     for _ in range(_ROUNDS):
         far = spiked(stretches, left, noise, near_steps=True)
         masks = [use & ~f for use, f in zip(uses, far, strict=True)]
@@ -139,8 +148,11 @@ def _learn(
     common = _TIED * shown
     ties = np.eye(size) + common.T @ common
     theta = np.zeros(size)
+    whole = _moments(parts, [np.ones(error.size) for *_, error, _ in parts], size, n_runs)
     for _ in range(_ROUNDS):
-        grams, slopes = _moments(parts, theta, n_runs)
+        # Few rows are far out: cheaper to take these off again than to weigh all.
+        far = _moments(parts, _far_shares(parts, theta), size, n_runs)
+        grams, slopes = (all_rows - off for all_rows, off in zip(whole, far, strict=True))
         gram, slope = grams.sum(axis=0) + ties, slopes.sum(axis=0)
         theta = np.linalg.solve(gram, slope)
     covariance = np.linalg.inv(gram)
@@ -152,20 +164,27 @@ def _learn(
     return prior * theta[: prior.size], prior[:, None] * root, runs, variance
 
 
+def _far_shares(parts: Sequence[Part], theta: Array) -> list[Array]:
+    """Share by which each row does not count (Huber)."""
+    return [
+        1.0 - np.minimum(1.0, _HUBER / np.maximum(np.abs(error - shapes @ theta), 1e-12))
+        for _, shapes, error, _ in parts
+    ]
+
+
 def _moments(
-    parts: Sequence[tuple[Stretch, Array, Array, Mask]], theta: Array, n_runs: int
+    parts: Sequence[Part], shares: Sequence[Array], size: int, n_runs: int
 ) -> tuple[Array, Array]:
     """Return the weighed normal equations of each fold: a run each, or parts of a single one."""
     n_folds = n_runs if n_runs > 1 else _FOLDS
-    grams, slopes = np.zeros((n_folds, theta.size, theta.size)), np.zeros((n_folds, theta.size))
-    for s, shapes, error, mask in parts:
-        weight = np.minimum(1.0, _HUBER / np.maximum(np.abs(error - shapes @ theta), 1e-12))
+    grams, slopes = np.zeros((n_folds, size, size)), np.zeros((n_folds, size))
+    for (s, shapes, error, mask), share in zip(parts, shares, strict=True):
         fold = np.full(mask.size, s.run)
         if n_runs == 1:
             fold = np.arange(mask.size) // _BLOCK % _FOLDS
         for k in np.unique(fold):
-            rows = fold[mask] == k
-            weighed = shapes[rows] * weight[rows, None]
+            rows = (fold[mask] == k) & (share > 0.0)
+            weighed = shapes[rows] * share[rows, None]
             grams[k] += weighed.T @ shapes[rows]
             slopes[k] += weighed.T @ error[rows]
     return grams, slopes

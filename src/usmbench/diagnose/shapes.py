@@ -1,16 +1,18 @@
 """What the shapes of a known residual are made of: hats over nodes, and what a change would do."""
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.stretches import Stretch
-from usmbench.model.linear import from_rest
+from usmbench.model.linear import free_run, from_rest
 
 Array = NDArray[np.float64]
 
 PHASE_NODES = 49
+_NUDGE = 1e-4  # of the slip at which the torque gives out
 
 
 def phase_nodes(phase_deg: Array, speeds_rad_s: Sequence[Array]) -> tuple[float, ...]:
@@ -48,6 +50,34 @@ def hats(values: Array, nodes: Array) -> Iterator[Array]:
         yield np.where(left == k, 1.0 - share, 0.0) + np.where(left == k - 1, share, 0.0)
 
 
+def shown(stretch: Stretch, settled_rad_s: Array) -> Array:
+    """Return what the shaft shows of a small change of the settled speed, from rest.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    settled_rad_s
+        The change, shape (N,), or (N, K) for K of them at once.
+    """
+    linear = stretch.context.linear
+    if linear.slip_limit_rad_s is None:
+        return from_rest(linear.b, linear.a, linear.dead_time_windows, settled_rad_s)
+    moved: Array = np.apply_along_axis(partial(_limited, stretch), 0, settled_rad_s)
+    return moved
+
+
+def _limited(stretch: Stretch, change: Array) -> Array:
+    """Tangent of the run with a torque limit along a change, shape (N,)."""
+    linear, settled_rad_s = stretch.context.linear, stretch.settled_rad_s
+    largest = float(np.max(np.abs(change)))
+    if largest == 0.0 or linear.slip_limit_rad_s is None:
+        return change
+    step, start_rad_s = _NUDGE * linear.slip_limit_rad_s / largest, float(settled_rad_s[0])
+    moved = free_run(linear, settled_rad_s + step * change, start_rad_s)
+    return (moved - free_run(linear, settled_rad_s, start_rad_s)) / step
+
+
 def widening(stretch: Stretch) -> Array:
     """Return the change of speed for each degree by which the dead zone widens on both sides.
 
@@ -59,8 +89,7 @@ def widening(stretch: Stretch) -> Array:
     context = stretch.context
     way = np.sign(context.phase_deg)
     moved = context.settled_rad_s(context.phase_deg - way)
-    linear = context.linear
-    return from_rest(linear.b, linear.a, linear.dead_time_windows, moved - stretch.settled_rad_s)
+    return shown(stretch, moved - stretch.settled_rad_s)
 
 
 def highest_rad_s(stretch: Stretch) -> Array:
@@ -87,6 +116,4 @@ def detuned_rad_s(stretch: Stretch) -> Array:
     context, detuning_rad_s = stretch.context, stretch.context.detuning_rad_s
     if detuning_rad_s is None:
         return np.zeros(context.n)
-    linear = context.linear
-    changed = detuning_rad_s(context.phase_deg)
-    return from_rest(linear.b, linear.a, linear.dead_time_windows, changed)
+    return shown(stretch, detuning_rad_s(context.phase_deg))

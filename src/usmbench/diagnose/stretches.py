@@ -11,7 +11,7 @@ from usmbench.model.effects.base import Context
 from usmbench.model.extended import Applied, extended_run
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.linear import memory_windows
-from usmbench.model.operating_points import detuning_weights, point_weights
+from usmbench.model.operating_points import detuning_weights, places_among, point_weights
 from usmbench.model.replay import middle_angle_rad
 from usmbench.runs.dwells import dwell_begin
 from usmbench.runs.record import Record
@@ -101,6 +101,8 @@ class Stretch:
         Rows to judge: inside the model's range and past the start.
     points
         Weight of each of the model's operating points.
+    places
+        Place among them in frequency and torque, as far as they differ, from -1 to 1.
     """
 
     run: int
@@ -114,6 +116,7 @@ class Stretch:
     direction: Array
     use: Mask
     points: tuple[Array, ...]
+    places: tuple[Array, ...]
 
     @property
     def residual_rad_s(self) -> Array:
@@ -177,9 +180,8 @@ def cut_runs(
                 else TabledCurve(nodes_deg, speeds, [w[rows] for w in slopes], phase_deg),
             )
             measured_rad_s, use = record.speed_rad_s[rows], ~outside[rows]
-            stretches.append(
-                _stretch(run, record.name, context, measured_rad_s, effects, use, points)
-            )
+            at = (points, places_among(model.points, points))
+            stretches.append(_stretch(run, record.name, context, measured_rad_s, effects, use, at))
     if sum(int(np.count_nonzero(s.use)) for s in stretches) < _FEWEST_WINDOWS:
         raise InputError(
             f"{records[0].name}: fewer than {_FEWEST_WINDOWS} usable windows say nothing about "
@@ -226,7 +228,7 @@ def _stretch(
     speed_rad_s: Array,
     effects: Sequence[Applied],
     use: Mask,
-    points: tuple[Array, ...],
+    at: tuple[tuple[Array, ...], tuple[Array, ...]],
 ) -> Stretch:
     """Simulate a stretch and work out where each row stands after the last command."""
     simulated = extended_run(effects, context)
@@ -244,7 +246,7 @@ def _stretch(
         jump_rad_s[last],
         np.sign(np.diff(context.phase_deg, prepend=context.phase_deg[:1]))[last],
         use & started,
-        points,
+        *at,
     )
 
 

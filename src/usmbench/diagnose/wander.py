@@ -7,17 +7,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.shapes import detuned_rad_s, highest_rad_s
+from usmbench.diagnose.shapes import detuned_rad_s, highest_rad_s, shown
 from usmbench.diagnose.stretches import Stretch
-from usmbench.model.linear import from_rest
 
 Array = NDArray[np.float64]
 
-_LEAST_GAIN = 3e-4  # repeatability that one run cannot show
-_LEAST_HELD_BACK = 2e-4  # the same, as a share of the highest speed
+# Shares of the gain, and of the highest speed that friction takes.
+LEAST = (3e-4, 2e-4)  # repeatability that one run cannot show
+ANY = (0.05, 0.02)  # any run may be off by this while the wander is learnt
 _BEST_GAIN = 2e-4  # no bench repeats better than that
 _RESONANCE = 3e-6  # by which a fifth of a kelvin moves it: no bench starts warmer by less
-_ANY_GAIN, _ANY_HELD_BACK = 0.05, 0.02  # any run may be off by this while the wander is learnt
 _FEWEST = 0.5  # degrees of freedom that an estimate needs
 _STANDING = 0.01  # of the highest speed: in the dead zone a fitted curve is not exactly 0
 
@@ -61,8 +60,8 @@ def wander_from_mapping(content: Mapping[str, Any]) -> Wander:
 
     Raises
     ------
-    KeyError
-        A key is missing.
+    KeyError, TypeError, ValueError
+        A key is missing, or what it holds is no number.
     """
     return Wander(
         float(content["gain"]),
@@ -70,30 +69,20 @@ def wander_from_mapping(content: Mapping[str, Any]) -> Wander:
     )
 
 
-def least_wander(top_rad_s: float, n_points: int) -> Wander:
-    """Return what is assumed where nothing shows the wander.
+def wander_of_shares(shares: tuple[float, float], top_rad_s: float, n_points: int) -> Wander:
+    """Return a wander that holds friction back alike at every operating point.
 
     Parameters
     ----------
+    shares
+        `LEAST` where nothing shows the wander, `ANY` to start from where it is learnt.
     top_rad_s
         Highest speed of the model.
     n_points
         Number of its operating points.
     """
-    return Wander(_LEAST_GAIN, (_LEAST_HELD_BACK * top_rad_s,) * n_points)
-
-
-def any_wander(top_rad_s: float, n_points: int) -> Wander:
-    """Return a wander that is wider than that of any bench, to start from.
-
-    Parameters
-    ----------
-    top_rad_s
-        Highest speed of the model.
-    n_points
-        Number of its operating points.
-    """
-    return Wander(_ANY_GAIN, (_ANY_HELD_BACK * top_rad_s,) * n_points)
+    gain, held_back = shares
+    return Wander(gain, (held_back * top_rad_s,) * n_points)
 
 
 def departures(stretch: Stretch) -> Array:
@@ -111,9 +100,11 @@ def departures(stretch: Stretch) -> Array:
     """
     share = stretch.settled_rad_s / np.maximum(highest_rad_s(stretch), 1e-12)
     against = -np.clip(share / _STANDING, -1.0, 1.0) * (1.0 - np.minimum(share**2, 1.0))
-    held, linear = np.column_stack(stretch.points) * against[:, None], stretch.context.linear
-    held_back = from_rest(linear.b, linear.a, linear.dead_time_windows, held)
-    return np.column_stack((stretch.simulated_rad_s, detuned_rad_s(stretch), held_back))
+    held_back = shown(stretch, np.column_stack(stretch.points) * against[:, None])
+    gain = stretch.simulated_rad_s
+    if stretch.context.linear.slip_limit_rad_s is not None:
+        gain = shown(stretch, stretch.settled_rad_s)  # a torque limit does not grow with it
+    return np.column_stack((gain, detuned_rad_s(stretch), held_back))
 
 
 def measured_wander(before: Wander, least: Wander, runs: Array, variance: Array) -> Wander:

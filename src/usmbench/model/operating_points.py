@@ -95,6 +95,30 @@ def detuning_weights(
     return tuple(table.T @ np.array(weights))
 
 
+def places_among(points: Sequence[OperatingPoint], weights: Sequence[Array]) -> tuple[Array, ...]:
+    """Return where every row lies in frequency and in torque, as far as the points differ in them.
+
+    Parameters
+    ----------
+    points
+        The model's operating points.
+    weights
+        As `point_weights` returns them.
+
+    Returns
+    -------
+    tuple of Array
+        From −1 at the lowest to 1 at the highest, shape (N,) each.
+    """
+    found = []
+    for values in ([p.frequency_hz or 0.0 for p in points], [p.torque_nm or 0.0 for p in points]):
+        low, high = min(values), max(values)
+        if high > low:
+            place = (2.0 * np.array(values) - low - high) / (high - low)
+            found.append(place @ np.array(weights))
+    return tuple(found)
+
+
 def _nearest(points: Sequence[OperatingPoint], i: int) -> dict[int, float]:
     """Frequency of a point's nearest neighbours at its torque, less its own; two at most."""
     here = points[i]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from usmbench.diagnose.noise import LAGS, Noise
+from usmbench.diagnose.noise import KINDS, LAGS, Noise
 from usmbench.diagnose.spikes import spiked
 from usmbench.diagnose.stretches import Stretch, cut_runs
 from usmbench.model.effects.first_order import first_order
@@ -19,7 +19,12 @@ MODEL = HammersteinModel(
     "test",
 )
 NOISE = Noise(
-    np.array([-90.0, 90.0]), np.full(2, NOISE_RAD_S), np.empty(0), 1.0, np.zeros((LAGS, 3))
+    np.array([-90.0, 90.0]),
+    np.full(2, NOISE_RAD_S),
+    np.empty(0),
+    1.0,
+    np.ones((LAGS, KINDS, 1)),
+    np.zeros((LAGS, KINDS, 1)),
 )
 
 

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from usmbench.model.hammerstein import OperatingPoint, StaticCurve
-from usmbench.model.operating_points import detuning_weights, point_weights
+from usmbench.model.operating_points import detuning_weights, places_among, point_weights
 
 CURVE = StaticCurve(np.array([-90.0, 90.0]), np.array([-10.0, 10.0]))
 
@@ -63,3 +63,20 @@ def test_the_nearer_neighbour_says_more() -> None:
 def test_one_frequency_has_no_slope(where: list[tuple[float | None, float]]) -> None:
     points = _points(*where)
     assert detuning_weights(points, [np.ones(1)] * len(points)) is None
+
+
+def test_places_run_from_the_lowest_to_the_highest() -> None:
+    points = _points((40_000.0, 0.1), (41_000.0, 0.1), (40_250.0, 0.1))
+    (place,) = places_among(points, list(np.eye(3)))
+    assert place == pytest.approx([-1.0, 1.0, -0.5])
+
+
+def test_places_tell_torque_from_frequency() -> None:
+    points = _points((40_000.0, 0.0), (41_000.0, 0.0), (40_000.0, 0.2))
+    in_frequency, in_torque = places_among(points, list(np.eye(3)))
+    assert in_frequency == pytest.approx([-1.0, 1.0, -1.0])
+    assert in_torque == pytest.approx([-1.0, -1.0, 1.0])
+
+
+def test_points_that_differ_in_nothing_have_no_place() -> None:
+    assert places_among(_points((None, 0.0)), [np.ones(3)]) == ()
