@@ -15,7 +15,7 @@ from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.naming import PLAINLY, Ranked, alternatives, verdict
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.refining import intervals
-from usmbench.diagnose.remainder import describe
+from usmbench.diagnose.remainder import LOUD, describe
 from usmbench.diagnose.result import Candidate, Diagnosis, Estimate, NamedCause, Trace, Verdict
 from usmbench.diagnose.search import search
 from usmbench.diagnose.sporadic import Sporadic, find_sporadic
@@ -94,6 +94,8 @@ def _verdict(found: Found, sporadic: Sporadic | None) -> Verdict:
     # Windows that stand alone are not the matter where most is wrong elsewhere.
     if sporadic is not None and sporadic.deviance > found.before.excess:
         return "explained" if found.before.p_value > PLAINLY else "partly_explained"
+    if found.spread > LOUD:
+        return "unexplained"
     if not found.before.material:
         return "no_discrepancy"
     plain = held_out_gain(found.problem, found.fit)
@@ -125,7 +127,7 @@ def _report(
     if sporadic is not None:
         causes.append(sporadic.named)
     views = residual_views(problem, left, found.spread)
-    remainder = None if says in ("no_discrepancy", "explained") else describe(views)
+    remainder = None if says in ("no_discrepancy", "explained") else describe(views, found.spread)
     return Diagnosis(
         verdict=says,
         causes=tuple(causes),

@@ -14,19 +14,28 @@ _SAYS = {
     "angle": "the residual depends on the shaft's angle, most around {at:.3g} rad",
     "speed": "the residual depends on the speed, most around {at:.3g} rad/s",
 }
+LOUD = 1.5  # times the noise of the model's runs, from which on it is a finding by itself
 
 
-def describe(views: Sequence[View]) -> Remainder | None:
+def describe(views: Sequence[View], spread: float) -> Remainder | None:
     """Return the view that exceeds its band most after the extension.
 
     Parameters
     ----------
     views
         The views.
+    spread
+        Standard deviation of the noise that no view shows, over that of the model's runs.
     """
     if not views:
         return None
     worst = max(views, key=lambda view: view.excess_after)
+    if spread > LOUD and worst.excess_after < LOUD:
+        return Remainder(
+            "noise",
+            f"the windows scatter {spread:.2g} times as widely as in the model's runs, without a "
+            "pattern: look for what is faster than a window, such as a ripple of the supply",
+        )
     k = int(np.argmax(np.abs(worst.after_rad_s) / worst.band_rad_s))
     says = _SAYS[worst.versus].format(at=float(worst.centre[k]))
     size = float(worst.after_rad_s[k])

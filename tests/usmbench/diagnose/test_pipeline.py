@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from usmbench.diagnose import search
+from usmbench.diagnose import pipeline, stepwise
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.reference import with_knowledge
 from usmbench.errors import InputError
@@ -110,7 +110,7 @@ def test_a_cause_that_explains_nothing_of_unseen_blocks_is_not_named(
 ) -> None:
     record = _measured(7, _applied("gain_asymmetry", "balanced", asymmetry=0.04))
     assert diagnose([record], model).causes
-    monkeypatch.setattr(search, "held_out_drop", lambda *_: np.zeros(4))
+    monkeypatch.setattr(stepwise, "held_out_drop", lambda *_: np.zeros(4))
     found = diagnose([record], model)
     assert found.verdict == "unexplained"
     assert found.causes == ()
@@ -150,6 +150,48 @@ def test_a_cause_that_acts_on_a_handful_of_windows_is_not_named(
         [_driven(phase_deg, 17, _applied("coupling_backlash", "", gap_rad=0.1))], model
     )
     assert ("coupling_backlash" in [cause.name for cause in found.causes]) == named
+
+
+_THREE = (
+    _applied("gain_asymmetry", "balanced", asymmetry=0.03),
+    _applied("transport_delay", "", delay_s=0.003),
+    _applied("phase_quantisation", "rounded", step_deg=5.0),
+)
+
+
+def test_three_causes_at_once_have_no_name(
+    model: HammersteinModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    record = _measured(11, *_THREE)
+    found = diagnose([record], model)
+    assert (found.verdict, found.causes) == ("unexplained", ())
+    assert found.extended == model
+    monkeypatch.setattr(pipeline, "_MOST_NAMED", 3)
+    assert {c.name for c in diagnose([record], model).causes} == {a.effect.name for a in _THREE}
+
+
+@pytest.mark.parametrize(("n_named", "says"), [(1, "partly_explained"), (2, "unexplained")])
+def test_several_causes_that_leave_something_have_no_name(
+    model: HammersteinModel, monkeypatch: pytest.MonkeyPatch, n_named: int, says: str
+) -> None:
+    monkeypatch.setattr(pipeline, "verdict", lambda *_: "partly_explained")
+    assert diagnose([_measured(12, *_THREE[:n_named])], model).verdict == says
+
+
+def test_a_cause_that_looks_a_little_like_two_others_is_not_named(model: HammersteinModel) -> None:
+    offset = _applied("phase_offset", "", offset_deg=0.8)
+    found = diagnose([_measured(12, offset, _THREE[0])], model)
+    assert found.verdict == "explained"
+    assert {cause.name for cause in found.causes} == {"phase_offset", "gain_asymmetry"}
+
+
+def test_noise_that_has_grown_is_a_finding(model: HammersteinModel) -> None:
+    record = _measured(13)
+    louder = 3.0 * NOISE_RAD_S * np.random.default_rng(14).standard_normal(record.t_s.size)
+    found = diagnose([replace(record, speed_rad_s=record.speed_rad_s + louder)], model)
+    assert (found.verdict, found.causes) == ("unexplained", ())
+    assert found.remainder is not None
+    assert found.remainder.versus == "noise"
 
 
 def test_says_so_where_no_cause_fits(model: HammersteinModel) -> None:
