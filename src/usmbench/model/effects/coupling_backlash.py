@@ -27,18 +27,18 @@ class CouplingBacklash(Effect):
         gap_rad = values["gap_rad"]
         if gap_rad <= 0.0:
             return signal
-        turned_rad = np.abs(signal) * context.window_s
-        way = _latest(np.sign(signal))
+        moves_rad = _moves_rad(signal, context)
+        way = _latest(np.sign(moves_rad))
         begins = np.flatnonzero(np.diff(way, prepend=np.nan))
-        lengths = np.diff(begins, append=signal.size)
-        whole_rad = np.add.reduceat(turned_rad, begins)
+        lengths = np.diff(begins, append=way.size)
+        whole_rad = np.add.reduceat(np.abs(moves_rad), begins)
         ahead_rad = np.repeat(_ahead_rad(whole_rad, gap_rad), lengths)
         before_rad = np.repeat(np.cumsum(whole_rad) - whole_rad, lengths)
-        path_rad = np.cumsum(turned_rad) - before_rad
+        path_rad = np.cumsum(np.abs(moves_rad)) - before_rad
         disc_rad = np.maximum(path_rad - ahead_rad, 0.0)
         carried_rad = np.diff(disc_rad, prepend=0.0)
         carried_rad[begins] = disc_rad[begins]
-        carried: Array = way * carried_rad / context.window_s
+        carried: Array = (way * carried_rad).reshape(-1, 2).sum(axis=1) / context.window_s
         return carried
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
@@ -63,6 +63,21 @@ class CouplingBacklash(Effect):
         if any(float(v.min()) < 0.0 < float(v.max()) for v in speeds):
             return None
         return "the shaft never reverses"
+
+
+def _moves_rad(shaft_rad_s: Array, context: Context) -> Array:
+    """Return the shaft's moves in either part of each window, shape (2 N,).
+
+    A shaft that is to reverse does so within the window of the command: the mean speed is that of
+    a part at the old speed and a part at the new one.
+    """
+    after = context.settled_rad_s(context.phase_deg)
+    before = np.concatenate((after[:1], after[:-1]))
+    reverses = before * after < 0.0
+    share = (shaft_rad_s - after) / np.where(reverses, before - after, 1.0)
+    reverses &= (share > 0.0) & (share < 1.0)
+    first = np.where(reverses, share * before, shaft_rad_s)
+    return np.column_stack((first, shaft_rad_s - first)).ravel() * context.window_s
 
 
 def _ahead_rad(turned_rad: Array, gap_rad: float) -> Array:

@@ -1,11 +1,13 @@
 """What some effects do, against figures worked out another way."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from usmbench.model.effects import speed_scale
 from usmbench.model.effects.base import Context
 from usmbench.model.effects.coupling_backlash import CouplingBacklash
 from usmbench.model.effects.first_order import first_order, lag_and_delay_s
@@ -27,6 +29,26 @@ def test_backlash_swallows_the_gap_after_each_reversal() -> None:
     speed = np.array([1.0, 1.0, -1.0, -1.0, -1.0, 0.0, 1.0, 1.0])
     disc = CouplingBacklash().apply(speed, _context(8), {"gap_rad": 0.015})
     assert np.allclose(disc, [1.0, 1.0, 0.0, -0.5, -1.0, 0.0, 0.0, 0.5])
+
+
+def test_backlash_swallows_the_gap_in_the_window_in_which_the_shaft_turns_round() -> None:
+    settled = np.array([4.0, 4.0, -4.0, -4.0, 4.0, 4.0])
+    context = replace(_context(6), phase_deg=settled)
+    # The shaft turns on for two fifths of the window before it turns back.
+    speed = np.array([4.0, 4.0, -0.8, -4.0, 0.8, 4.0])
+    disc = CouplingBacklash().apply(speed, context, {"gap_rad": 0.005})
+    assert np.allclose(disc, [4.0, 4.0, -0.3, -4.0, 0.3, 4.0])
+    more = CouplingBacklash().apply(speed, context, {"gap_rad": 0.03})
+    assert np.allclose(more, [4.0, 4.0, 1.6, -3.4, -1.6, 3.4])
+
+
+def test_only_a_torque_limit_tells_the_motors_gain_from_the_counters() -> None:
+    counter, motor = speed_scale.FORMS
+    plain = _context(4)
+    limited = replace(plain, linear=replace(LINEAR, slip_limit_rad_s=5.0))
+    assert [counter.untestable([c]) is None for c in (plain, limited)] == [True, True]
+    assert [motor.untestable([c]) is None for c in (plain, limited)] == [False, True]
+    assert (counter.stage, motor.stage) == ("counter", "settled")
 
 
 def test_a_register_rounds_or_cuts_off() -> None:
