@@ -7,12 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.stretches import Stretch
+from usmbench.model.effects.first_order import later
 from usmbench.model.linear import free_run, from_rest
 
 Array = NDArray[np.float64]
 
 PHASE_NODES = 49
-_NUDGE = 1e-4  # of the slip at which the torque gives out
+_NUDGE = 1e-4  # of the slip at which the torque gives out, and of a window
 
 
 def phase_nodes(phase_deg: Array, speeds_rad_s: Sequence[Array]) -> tuple[float, ...]:
@@ -117,3 +118,21 @@ def detuned_rad_s(stretch: Stretch) -> Array:
     if detuning_rad_s is None:
         return np.zeros(context.n)
     return shown(stretch, detuning_rad_s(context.phase_deg))
+
+
+def later_rad_s_per_s(stretch: Stretch) -> Array:
+    """Return the change of speed for each second by which commands act later, shape (N,).
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    linear, window_s = stretch.context.linear, stretch.context.window_s
+    little_s = _NUDGE * window_s
+    start_rad_s = float(stretch.settled_rad_s[0])
+    late, latest = (
+        free_run(later(linear, k * little_s, window_s), stretch.settled_rad_s, start_rad_s)
+        for k in (1.0, 2.0)
+    )
+    return (latest - late) / little_s

@@ -1,4 +1,4 @@
-"""What differs from run to run though nothing is wrong: the gain, friction, the resonance."""
+"""What differs from run to run though nothing is wrong: gain, lag, friction, resonance."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.shapes import detuned_rad_s, highest_rad_s, shown
+from usmbench.diagnose.shapes import detuned_rad_s, highest_rad_s, later_rad_s_per_s, shown
 from usmbench.diagnose.stretches import Stretch
 
 Array = NDArray[np.float64]
 
-# Shares of the gain, and of the highest speed that friction takes.
-LEAST = (3e-4, 2e-4)  # repeatability that one run cannot show
-ANY = (0.05, 0.02)  # any run may be off by this while the wander is learnt
+# The gain's share, the lag's time in s, and the share of the highest speed that friction takes.
+LEAST = (3e-4, 3e-6, 2e-4)  # repeatability that one run cannot show
+ANY = (0.05, 1e-4, 0.02)  # any run may be off by this while the wander is learnt
 _BEST_GAIN = 2e-4  # no bench repeats better than that
 _RESONANCE = 3e-6  # by which a fifth of a kelvin moves it: no bench starts warmer by less
 _FEWEST = 0.5  # degrees of freedom that an estimate needs
@@ -29,23 +29,28 @@ class Wander:
     ----------
     gain
         Of the gain, as a share.
+    late_s
+        Of the time by which the speed follows a jump: friction brakes it more or less, and the
+        commands meet the windows sooner or later.
     held_back_rad_s
         Of the speed that friction takes near standstill, at each operating point: the edges of the
         dead zone move with it.
     """
 
     gain: float
+    late_s: float
     held_back_rad_s: tuple[float, ...]
 
     @property
     def deviations(self) -> Array:
         """In the order of the columns of `departures`, the resonance's among them, shape (W,)."""
-        return np.array([self.gain, _RESONANCE, *self.held_back_rad_s])
+        return np.array([self.gain, self.late_s, _RESONANCE, *self.held_back_rad_s])
 
     def to_mapping(self) -> dict[str, Any]:
         """Return what the model file keeps."""
         return {
             "gain": self.gain,
+            "late_s": self.late_s,
             "held_back_rad_s": list(self.held_back_rad_s),
         }
 
@@ -65,11 +70,12 @@ def wander_from_mapping(content: Mapping[str, Any]) -> Wander:
     """
     return Wander(
         float(content["gain"]),
+        float(content["late_s"]),
         tuple(float(held) for held in content["held_back_rad_s"]),
     )
 
 
-def wander_of_shares(shares: tuple[float, float], top_rad_s: float, n_points: int) -> Wander:
+def wander_of_shares(shares: tuple[float, float, float], top_rad_s: float, n_points: int) -> Wander:
     """Return a wander that holds friction back alike at every operating point.
 
     Parameters
@@ -81,17 +87,18 @@ def wander_of_shares(shares: tuple[float, float], top_rad_s: float, n_points: in
     n_points
         Number of its operating points.
     """
-    gain, held_back = shares
-    return Wander(gain, (held_back * top_rad_s,) * n_points)
+    gain, late_s, held_back = shares
+    return Wander(gain, late_s, (held_back * top_rad_s,) * n_points)
 
 
 def departures(stretch: Stretch) -> Array:
     """Return the change of speed with each thing that wanders, in columns of shape (N, W).
 
-    The crests may be faster or slower, by a share of the speed. Friction may hold the rotor back
-    more or less: most near standstill, where the wave is a standing one, not at all at the highest
-    speed, and at each operating point by another amount, since it is the vibration that frees the
-    rotor. A gain that wanders shows the latter, too: the rotor follows the crests but for the slip.
+    The crests may be faster or slower, by a share of the speed. A jump may come later. Friction may
+    hold the rotor back more or less: most near standstill, where the wave is a standing one, not at
+    all at the highest speed, and at each operating point by another amount, since it is the
+    vibration that frees the rotor. A gain that wanders shows the latter, too: the rotor follows the
+    crests but for the slip.
 
     Parameters
     ----------
@@ -104,7 +111,8 @@ def departures(stretch: Stretch) -> Array:
     gain = stretch.simulated_rad_s
     if stretch.context.linear.slip_limit_rad_s is not None:
         gain = shown(stretch, stretch.settled_rad_s)  # a torque limit does not grow with it
-    return np.column_stack((gain, detuned_rad_s(stretch), held_back))
+    late = later_rad_s_per_s(stretch)
+    return np.column_stack((gain, late, detuned_rad_s(stretch), held_back))
 
 
 def measured_wander(before: Wander, least: Wander, runs: Array, variance: Array) -> Wander:
@@ -129,6 +137,8 @@ def measured_wander(before: Wander, least: Wander, runs: Array, variance: Array)
     # A standard deviation of few values is itself uncertain: err on the side of more wander.
     inflation = 1.0 + 1.0 / np.sqrt(2.0 * free)
     found = before.deviations * np.sqrt(np.sum(runs**2, axis=0) / free) * inflation
-    gain, _, *held_back = np.where(shown, found, least.deviations)
+    gain, late_s, _, *held_back = np.where(shown, found, least.deviations)
     held_back_rad_s = np.maximum(held_back, least.held_back_rad_s).tolist()
-    return Wander(max(float(gain), _BEST_GAIN), tuple(held_back_rad_s))
+    return Wander(
+        max(float(gain), _BEST_GAIN), max(float(late_s), least.late_s), tuple(held_back_rad_s)
+    )

@@ -17,9 +17,9 @@ Array = NDArray[np.float64]
 WINDOW_S, NOISE_RAD_S = 0.01, 0.008
 SLIP_RAD_S = {40_050.0: 0.1, 41_000.0: 1.0}  # that friction takes near standstill
 LINEAR = first_order(0.0035, 0.0015, WINDOW_S)
-BEFORE = Wander(0.01, (0.1, 0.2))
-LEAST = Wander(3e-4, (1e-3, 1e-3))
-RUNS = np.array([[1.0, 0.0, 2.0, 0.5], [-1.0, 0.0, -2.0, -0.5]])
+BEFORE = Wander(0.01, 1e-4, (0.1, 0.2))
+LEAST = Wander(3e-4, 3e-6, (1e-3, 1e-3))
+RUNS = np.array([[1.0, 0.1, 0.0, 2.0, 0.5], [-1.0, -0.1, 0.0, -2.0, -0.5]])
 
 
 def _curve(frequency_hz: float, gain: float = 1.0, friction: float = 1.0) -> StaticCurve:
@@ -31,7 +31,7 @@ def _curve(frequency_hz: float, gain: float = 1.0, friction: float = 1.0) -> Sta
     return StaticCurve(phase_deg, speed_rad_s)
 
 
-def _driven(seed: int, gain: float, friction: float, n: int = 3000) -> Record:
+def _driven(seed: int, gain: float, friction: float, n: int = 3000, late_s: float = 0.0) -> Record:
     """Return a run on a day of its own, half of it at each frequency, in an order that turns."""
     rng = np.random.default_rng(seed)
     phase_deg = np.repeat(rng.uniform(-88.0, 88.0, n // 10), 10)
@@ -40,7 +40,8 @@ def _driven(seed: int, gain: float, friction: float, n: int = 3000) -> Record:
     for f in SLIP_RAD_S:
         at = frequency_hz == f
         settled[at] = _curve(f, gain, friction).speed_rad_s(phase_deg[at])
-    speed = free_run(LINEAR, settled) + NOISE_RAD_S * rng.standard_normal(n)
+    linear = first_order(0.0035, 0.0015 + late_s, WINDOW_S)
+    speed = free_run(linear, settled) + NOISE_RAD_S * rng.standard_normal(n)
     t_s = WINDOW_S * np.arange(1.0, n + 1.0)
     window_s, torque_nm = np.full(n, WINDOW_S), np.zeros(n)
     return Record(
@@ -82,11 +83,25 @@ def test_friction_wanders_at_each_operating_point_by_its_own_amount(
     assert wander.gain < 1e-3
 
 
+def test_commands_that_meet_the_windows_sooner_or_later_are_no_news(
+    plain: HammersteinModel,
+) -> None:
+    late_s = 1e-4 * np.array([-1.2, 0.4, 1.1, -0.3, 0.9, -0.9])
+    model = with_knowledge(
+        plain, [_driven(k, 1.0, 1.0, late_s=t) for k, t in enumerate(late_s, start=10)]
+    )
+    wander = wander_from_mapping(model.residual["diagnosis"])
+    assert 0.7 < wander.late_s / np.std(late_s, ddof=1) < 2.0
+    assert wander.gain < 1e-3
+    for seed, t in ((1, 1.2e-4), (2, -1e-4)):
+        assert diagnose([_driven(seed, 1.0, 1.0, late_s=t)], model).verdict == "no_discrepancy"
+
+
 def test_friction_takes_most_near_standstill_and_nothing_at_the_top(
     plain: HammersteinModel,
 ) -> None:
     (stretch,), _ = cut_runs([_driven(1, 1.0, 1.0)], plain, ())
-    gain, _, *held_back = departures(stretch).T
+    gain, _, _, *held_back = departures(stretch).T
     np.testing.assert_array_equal(gain, stretch.simulated_rad_s)
     calm, settled = stretch.lag > 8, stretch.settled_rad_s
     for held, weight in zip(held_back, stretch.points, strict=True):
@@ -103,6 +118,7 @@ def test_the_wander_is_the_spread_of_the_runs_and_what_their_number_leaves_open(
     found = measured_wander(BEFORE, LEAST, runs, np.zeros_like(runs))
     spread = np.sqrt(4.0 / 3.0) * (1.0 + 1.0 / np.sqrt(6.0))
     assert found.gain == pytest.approx(0.01 * spread)
+    assert found.late_s == pytest.approx(1e-5 * spread)
     assert found.held_back_rad_s == pytest.approx((0.2 * spread, 0.1 * spread))
 
 
@@ -113,7 +129,7 @@ def test_a_run_that_cannot_show_a_departure_does_not_count() -> None:
 
 
 def test_one_run_shows_no_wander() -> None:
-    assert measured_wander(BEFORE, LEAST, np.zeros((1, 4)), np.zeros((1, 4))) == LEAST
+    assert measured_wander(BEFORE, LEAST, np.zeros((1, 5)), np.zeros((1, 5))) == LEAST
 
 
 def test_the_wander_comes_back_from_the_model_file() -> None:

@@ -1,6 +1,7 @@
 """The first-order lag behind a delay, exactly, for speeds averaged over windows."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -56,6 +57,33 @@ def first_order(tau_s: float, delay_s: float, window_s: float) -> LinearPart:
     second = 1.0 - tau * (1.0 - pole) * left
     b = np.array([first, second - (1.0 + pole) * first, 1.0 - pole - second + pole * first])
     return LinearPart(np.array([-pole]), b, whole, window_s)
+
+
+def later(linear: LinearPart, delay_s: float, window_s: float) -> LinearPart:
+    """Return a linear part behind a further delay.
+
+    Exact for a first-order lag; of other dynamics, a part of a window mixes two neighbouring
+    values.
+
+    Parameters
+    ----------
+    linear
+        The linear part.
+    delay_s
+        The delay, 0 or more.
+    window_s
+        Duration of a window.
+    """
+    if delay_s <= 0.0:
+        return linear
+    known = lag_and_delay_s(linear, window_s)
+    if known is not None:
+        late = first_order(known[0], known[1] + delay_s, window_s)
+        return replace(late, slip_limit_rad_s=linear.slip_limit_rad_s)
+    whole = int(delay_s / window_s)
+    part = delay_s / window_s - whole
+    b = np.convolve(linear.b, [1.0 - part, part])
+    return replace(linear, b=b, dead_time_windows=linear.dead_time_windows + whole)
 
 
 def _padded(linear: LinearPart, n: int) -> Array:

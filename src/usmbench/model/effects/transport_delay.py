@@ -1,20 +1,18 @@
 """Commands act late."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from usmbench.model.effects.base import Array, Context, DynamicsEffect, Parameter, Values
-from usmbench.model.effects.first_order import first_order, lag_and_delay_s
+from usmbench.model.effects.first_order import later
 from usmbench.model.hammerstein import LinearPart
 
 
 class TransportDelay(DynamicsEffect):
     """A dead time d before everything: the line, the board, or the software holds a command back.
 
-    Exact for a first-order lag; of other dynamics, a part of a window mixes two neighbouring
-    values.
+    As exact as `first_order.later`.
     """
 
     name = "transport_delay"
@@ -30,17 +28,7 @@ class TransportDelay(DynamicsEffect):
         linear, context, values
             As in `DynamicsEffect.linear_part`.
         """
-        delay_s, window_s = values["delay_s"], context.window_s
-        if delay_s <= 0.0:
-            return linear
-        known = lag_and_delay_s(linear, window_s)
-        if known is not None:
-            late = first_order(known[0], known[1] + delay_s, window_s)
-            return replace(late, slip_limit_rad_s=linear.slip_limit_rad_s)
-        whole = int(delay_s / window_s)
-        part = delay_s / window_s - whole
-        b = np.convolve(linear.b, [1.0 - part, part])
-        return replace(linear, b=b, dead_time_windows=linear.dead_time_windows + whole)
+        return later(linear, values["delay_s"], context.window_s)
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
         """Return delays from a 500th of a window, which steps still show, to a hundred or a second.
