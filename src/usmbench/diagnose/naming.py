@@ -28,8 +28,8 @@ TELLING = 9.2  # deviance between two causes that data can tell: 99 % of chi-squ
 _SIMILAR = 0.15
 _MISFIT, _OFF = 50.0, 0.03
 _ONE_WAY = 2.0 * math.log(2.0)  # a parameter with one sign is given half the room beforehand
-_SECOND_SHARES, _SECOND_MOST = (1e-3, 1e-2), 0.7
-_SECOND_LEAST = 20.0
+_SECOND_SHARE = 0.01
+_SECOND_LEAST = 40.0
 _MATERIAL = 0.1  # of the noise's mean square
 _LEFT_EXPLAINED = 0.08
 _LEFT_PARTLY = 0.4
@@ -137,11 +137,8 @@ def same_shape(ranked: Sequence[Ranked]) -> set[str]:
     return {r.effect.name for r in ranked if abs(r.statistic - best.statistic) < _SAME}
 
 
-def earns_its_place(gained: float, first: Ranked, left: float) -> bool:
+def earns_its_place(gained: float, first: Ranked) -> bool:
     """Return whether a further cause is worth naming beside the first.
-
-    What the library's form of a large effect is off by may look like a small second one; hardly
-    ever is one cause most of it.
 
     Parameters
     ----------
@@ -149,11 +146,8 @@ def earns_its_place(gained: float, first: Ranked, left: float) -> bool:
         Deviance that it explains beyond those before, over the noise's spread.
     first
         The best cause alone.
-    left
-        Deviance beyond the noise that those before leave, over the noise's spread.
     """
-    low, high = (share * first.statistic for share in _SECOND_SHARES)
-    return gained > max(_SECOND_LEAST, low, min(high, _SECOND_MOST * left))
+    return gained > max(_SECOND_LEAST, _SECOND_SHARE * first.statistic)
 
 
 @dataclass(frozen=True, slots=True)

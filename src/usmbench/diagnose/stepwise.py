@@ -91,8 +91,7 @@ def _holds(problem: Problem, found: Named, longer: Fit, more: Array) -> bool:
     """Whether what a further cause explains is worth a name."""
     if found.rankings:
         gained = (longer.statistic - found.fit.statistic) / found.spread**2
-        left = (problem.deviance - found.fit.statistic) / found.spread**2 - problem.n_rows
-        if not earns_its_place(gained, found.rankings[0][0], left):
+        if not earns_its_place(gained, found.rankings[0][0]):
             return False
     # One block alone may be an accident.
     unseen = min(float(np.sum(more)), float(np.sum(more) - np.max(more)))
