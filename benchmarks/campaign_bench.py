@@ -14,6 +14,7 @@ from benchmarks.campaign_draws import Draw
 from benchmarks.campaign_outcome import Outcome
 from benchmarks.campaign_runs import FREQUENCIES_HZ, PLANS, Excited, Measured, Motor
 from benchmarks.campaign_sizes import (
+    creeping,
     not_far_out,
     shown_again,
     spread_rad_s,
@@ -148,6 +149,7 @@ class MotorBench:
         defects = draw.hidden.made
         hidden = self._quiet(excited, draw.number, defects)
         effect = hidden - quiet
+        steady &= ~creeping(quiet) & ~creeping(hidden)
         sure = steady & shown_again(effect, again, _LARGE * spread_rad_s(even))
 
         noise_rad_s = float(np.sqrt(np.mean(even[sure] ** 2)))

@@ -9,6 +9,7 @@ Array = NDArray[np.float64]
 
 _FAR: Final = 6.0
 _HANDFUL: Final = 10  # windows
+_COUNT_RAD_S: Final = 2.0 * np.pi / 2000.0 / 0.01  # one count in a window
 
 
 def without_gain(error: Array, quiet: Array) -> Array:
@@ -43,6 +44,21 @@ def not_far_out(error: Array) -> NDArray[np.bool_]:
     """
     near: NDArray[np.bool_] = np.abs(error) < _FAR * spread_rad_s(error)
     return near
+
+
+def creeping(speed_rad_s: Array) -> NDArray[np.bool_]:
+    """Return the windows in which the shaft turns by less than two counts, and not by none.
+
+    What a window reports then is which of its neighbours a count falls into.
+
+    Parameters
+    ----------
+    speed_rad_s
+        Speed free of noise, shape (N,).
+    """
+    size = np.abs(speed_rad_s)
+    creeps: NDArray[np.bool_] = (size > 0.0) & (size < 2.0 * _COUNT_RAD_S)
+    return creeps
 
 
 def shown_again(effect: Array, again: Array, far_rad_s: float) -> NDArray[np.bool_]:

@@ -10,7 +10,7 @@ from benchmarks.campaign_bench import MotorBench
 from benchmarks.campaign_draws import GROUPS, Choice, Draw, Hidden, draws, hide, motor_of
 from benchmarks.campaign_outcome import Outcome
 from benchmarks.campaign_runs import Excited, Measured, Motor
-from benchmarks.campaign_sizes import strength_of
+from benchmarks.campaign_sizes import creeping, strength_of
 from benchmarks.campaign_tables import report, share, wrong_ones
 from hil_sim.defects import CATALOGUE
 from usmbench.runs.reader import read_run
@@ -47,6 +47,12 @@ def test_the_size_of_an_effect_is_what_no_wander_explains_and_no_handful_of_wind
     assert strength_of(0.01 * speed, steady, 0.05) == pytest.approx(1.0, rel=0.1)
     assert strength_of(0.01 * speed, wander, 0.05) == pytest.approx(4000**-0.5, rel=0.1)
     assert strength_of(np.r_[np.full(8, 100.0), np.zeros(3992)], steady, 0.05) == 0.0
+
+
+def test_a_shaft_creeps_where_counts_are_few() -> None:
+    count_rad_s = 2.0 * np.pi / 2000.0 / 0.01
+    speeds = count_rad_s * np.array([0.0, 0.5, -1.0, 1.9, -2.1, 30.0])
+    assert creeping(speeds).tolist() == [False, True, True, True, False, False]
 
 
 def test_the_wire_gives_the_rows_of_the_process(tmp_path: Path) -> None:
