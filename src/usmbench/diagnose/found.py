@@ -1,4 +1,4 @@
-"""What a search for causes came to, and whether it may stand."""
+"""What a search for causes came to, and whether its names may stand."""
 
 from dataclasses import dataclass
 
@@ -6,11 +6,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.fitting import Fit
-from usmbench.diagnose.naming import Ranked, Whole
+from usmbench.diagnose.gain import held_out_gain
+from usmbench.diagnose.naming import PLAINLY, Ranked, Whole, verdict
 from usmbench.diagnose.problem import Problem
+from usmbench.diagnose.remainder import LOUD
+from usmbench.diagnose.result import Verdict
+from usmbench.diagnose.sporadic import Sporadic
 
 Array = NDArray[np.float64]
 
+_MOST_NAMED = 2  # where a third earns its place, too, it is more likely that none is the cause
+# What has no name is a finding only from half the noise's rms on; a name must earn its own place.
+_LEAST_EXCESS = 0.25
+_LEAST_GAIN = 0.01
 _MOST_LEFT = 0.4  # as a share; what verdict() calls partly explained ends there, too
 _GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by a tenth
 _ACTS = 2.0  # times the noise
@@ -83,3 +91,41 @@ class Found:
     def left_rad_s(self) -> list[Array]:
         """Residual of each stretch with the named causes taken out, in rad/s, shape (N,)."""
         return self.problem.left_rad_s(self.fit.effects)
+
+
+def verdict_on(found: Found, sporadic: Sporadic | None) -> Verdict:
+    """Say whether what is named may stand.
+
+    Parameters
+    ----------
+    found
+        What the search came to.
+    sporadic
+        The cause of windows that stand alone; None for none.
+    """
+    if found.named:
+        return _on_named(found)
+    # Windows that stand alone are not the matter where most is wrong elsewhere.
+    if sporadic is not None and sporadic.deviance > found.before.excess:
+        return "explained" if found.before.p_value > PLAINLY else "partly_explained"
+    if found.spread > LOUD:
+        return "unexplained"
+    if not found.before.material:
+        return "no_discrepancy"
+    plain = held_out_gain(found.problem, found.fit)
+    above = plain.rmse_simulation_rad_s**2 - plain.noise_floor_rad_s**2
+    return "unexplained" if above > _LEAST_EXCESS * plain.noise_floor_rad_s**2 else "no_discrepancy"
+
+
+def _on_named(found: Found) -> Verdict:
+    """Say whether names may stand, and whether they are all."""
+    says = verdict(found.before, found.after, found.fit.statistic)
+    if len(found.named) > _MOST_NAMED:
+        return "unexplained"
+    # Several that leave something are patches on what the library does not know.
+    if says == "unexplained" or found.mostly_left or (says != "explained" and found.named[1:]):
+        return "partly_explained" if found.by_chance else "unexplained"
+    # Where unseen blocks come out no better, what is left is the matter.
+    if says != "explained" and held_out_gain(found.problem, found.fit).gain < _LEAST_GAIN:
+        return "unexplained"
+    return says

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 from usmbench.diagnose.anew import identified_anew
 from usmbench.diagnose.detectable import smallest_sizes
 from usmbench.diagnose.fitting import Fit
-from usmbench.diagnose.found import Found
+from usmbench.diagnose.found import Found, verdict_on
 from usmbench.diagnose.gain import Gain, held_out_gain
 from usmbench.diagnose.knowledge import knowledge_of
-from usmbench.diagnose.naming import PLAINLY, Ranked, alternatives, verdict
+from usmbench.diagnose.naming import Ranked, alternatives
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.refining import intervals
-from usmbench.diagnose.remainder import LOUD, describe
+from usmbench.diagnose.remainder import describe
 from usmbench.diagnose.result import Candidate, Diagnosis, Estimate, NamedCause, Trace, Verdict
 from usmbench.diagnose.search import search
 from usmbench.diagnose.sporadic import Sporadic, find_sporadic
@@ -30,9 +30,6 @@ from usmbench.runs.record import Record
 Array = NDArray[np.float64]
 
 _MOST_POINTS = 3000
-# What has no name is a finding only from half the noise's rms on; a name must earn its own place.
-_LEAST_EXCESS = 0.25
-_MOST_NAMED = 2  # where a third earns its place, too, it is more likely that none is the cause
 
 
 def diagnose(records: Sequence[Record], model: HammersteinModel) -> Diagnosis:
@@ -77,30 +74,8 @@ def _diagnosed(
             refused[name] = reason
     found = search(stretches, known, own, [e for e in testable if not e.sporadic])
     sporadic = find_sporadic(found.problem, found.left_rad_s)
-    says = _verdict(found, sporadic)
+    says = verdict_on(found, sporadic)
     return _report(found, sporadic, says, model, testable, tuple(refused.items()), tuple(warnings))
-
-
-def _verdict(found: Found, sporadic: Sporadic | None) -> Verdict:
-    """Say whether what is named may stand."""
-    if found.named:
-        says = verdict(found.before, found.after, found.fit.statistic)
-        if len(found.named) > _MOST_NAMED:
-            return "unexplained"
-        # Several that leave something are patches on what the library does not know.
-        if says == "unexplained" or found.mostly_left or (says != "explained" and found.named[1:]):
-            return "partly_explained" if found.by_chance else "unexplained"
-        return says
-    # Windows that stand alone are not the matter where most is wrong elsewhere.
-    if sporadic is not None and sporadic.deviance > found.before.excess:
-        return "explained" if found.before.p_value > PLAINLY else "partly_explained"
-    if found.spread > LOUD:
-        return "unexplained"
-    if not found.before.material:
-        return "no_discrepancy"
-    plain = held_out_gain(found.problem, found.fit)
-    above = plain.rmse_simulation_rad_s**2 - plain.noise_floor_rad_s**2
-    return "unexplained" if above > _LEAST_EXCESS * plain.noise_floor_rad_s**2 else "no_discrepancy"
 
 
 def _report(

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from usmbench.diagnose import pipeline, stepwise
+from usmbench.diagnose import found as found_module
+from usmbench.diagnose import stepwise
+from usmbench.diagnose.gain import held_out_gain
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.reference import with_knowledge
 from usmbench.errors import InputError
@@ -166,7 +168,7 @@ def test_three_causes_at_once_have_no_name(
     found = diagnose([record], model)
     assert (found.verdict, found.causes) == ("unexplained", ())
     assert found.extended == model
-    monkeypatch.setattr(pipeline, "_MOST_NAMED", 3)
+    monkeypatch.setattr(found_module, "_MOST_NAMED", 3)
     assert {c.name for c in diagnose([record], model).causes} == {a.effect.name for a in _THREE}
 
 
@@ -174,8 +176,18 @@ def test_three_causes_at_once_have_no_name(
 def test_several_causes_that_leave_something_have_no_name(
     model: HammersteinModel, monkeypatch: pytest.MonkeyPatch, n_named: int, says: str
 ) -> None:
-    monkeypatch.setattr(pipeline, "verdict", lambda *_: "partly_explained")
+    monkeypatch.setattr(found_module, "verdict", lambda *_: "partly_explained")
     assert diagnose([_measured(12, *_THREE[:n_named])], model).verdict == says
+
+
+def test_a_cause_that_leaves_something_and_gains_nothing_has_no_name(
+    model: HammersteinModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(found_module, "verdict", lambda *_: "partly_explained")
+    monkeypatch.setattr(
+        found_module, "held_out_gain", lambda *args: replace(held_out_gain(*args), gain=0.0)
+    )
+    assert diagnose([_measured(12, _THREE[0])], model).verdict == "unexplained"
 
 
 def test_a_cause_that_looks_a_little_like_two_others_is_not_named(model: HammersteinModel) -> None:
