@@ -131,16 +131,19 @@ class Card:
             self.stop(task)
             self.tasks.remove(task)
 
-    def client_gone(self, task: Task) -> None:
+    def client_gone(self, task: Task, registration: int) -> None:
         """Forget all tasks of a client whose event stream broke off.
 
         Parameters
         ----------
         task
             The task of the stream; a task cleared or without events ended its stream in order.
+        registration
+            Which of the task's registrations the stream was; another has taken its place in order.
         """
         with self._changed:
-            if task in self.tasks and task.event_samples:
+            current = task.event_samples and task.registrations == registration
+            if task in self.tasks and current:
                 for orphan in self.tasks.all():
                     if orphan.client == task.client:
                         self.clear(orphan)

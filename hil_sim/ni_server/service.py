@@ -188,7 +188,7 @@ class NiDaqService:
     def _events(self, request: Any, context: Any) -> Iterator[Any]:
         """Send an event a block, until the task or the client is gone."""
         gone = threading.Event()
-        task = self._register(request, context)
+        task, registration = self._register(request, context)
         if not context.add_callback(lambda: self._card.wake(gone)):
             gone.set()
         context.send_initial_metadata(())  # the client waits for it before it goes on
@@ -203,18 +203,19 @@ class NiDaqService:
             self._die()
         finally:
             if gone.is_set():
-                self._card.client_gone(task)
+                self._card.client_gone(task, registration)
 
-    def _register(self, request: Any, context: Any) -> Task:
-        def register(request: Any, _context: Any) -> Task:
+    def _register(self, request: Any, context: Any) -> tuple[Task, int]:
+        def register(request: Any, _context: Any) -> tuple[Task, int]:
             task = self._task(request)
             if task.event_samples:
                 raise NiError(NiCode.EVENT_ALREADY_REGISTERED, "Event is registered already")
             task.event_samples = request.n_samples
-            return task
+            task.registrations += 1
+            return task, task.registrations
 
-        task: Task = self._guarded(register)(request, context)
-        return task
+        registered: tuple[Task, int] = self._guarded(register)(request, context)
+        return registered
 
 
 def _refuse(context: Any, error: NiError) -> None:

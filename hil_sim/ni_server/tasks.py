@@ -34,6 +34,8 @@ class Task:
         Number of the next sample that it reads.
     event_samples
         Samples between two events, or 0 without events.
+    registrations
+        How often events were asked for: each time a stream of its own sends them.
     events
         Events sent since the start.
     """
@@ -49,6 +51,7 @@ class Task:
     start: int = 0
     position: int = 0
     event_samples: int = 0
+    registrations: int = 0
     events: int = 0
 
     @property
