@@ -51,6 +51,9 @@ class Measurement:
     row: WindowRow | None = None
 
 
+Request = tuple[Change | Measurement | None, DeviceStatus]
+
+
 class BenchLoop:
     """Reads windows, watches the interlocks, and carries out commands between two windows.
 
@@ -83,9 +86,9 @@ class BenchLoop:
         self._commands = CommandedDrive(drive, source)
         self._commands.begin(at_rest)
         self._reader = WindowReader(source, self._commands, settings, settings.interlocks)
-        self._requests: queue.SimpleQueue[tuple[Change | None, DeviceStatus]] = queue.SimpleQueue()
+        self._requests: queue.SimpleQueue[Request] = queue.SimpleQueue()
         self._measurement: Measurement | None = None
-        self._failing: list[tuple[float, DeviceStatus]] = []
+        self._failing: list[tuple[float, BenchError, DeviceStatus]] = []
         self._trip: BenchError | None = None
         self._broken = False
         self._acknowledged = threading.Event()
@@ -139,7 +142,7 @@ class BenchLoop:
         return status
 
     def rest(self) -> None:
-        """Switch the drive off; what waits for a measurement waits no more.
+        """Switch the drive off; what is under way ends, a measurement without its row.
 
         Raises
         ------
@@ -160,7 +163,7 @@ class BenchLoop:
             When it counts as settled.
         """
         measurement = Measurement(dwell, DeviceStatus(), Settling(dwell.settle))
-        self._measurement = measurement
+        self._requests.put((measurement, measurement.status))
         return measurement
 
     def acknowledge(self) -> None:
@@ -190,24 +193,28 @@ class BenchLoop:
             self._trip = None
             self.ready.put(value=True, at_s=time.time())
         while not self._requests.empty():
-            change, status = self._requests.get()
+            wanted, status = self._requests.get()
             try:
-                self._answer(change, status)
+                self._answer(wanted, status)
             except BenchError as error:
                 status.end(error)
                 raise
 
-    def _answer(self, change: Change | None, status: DeviceStatus) -> None:
-        if change is None:
+    def _answer(self, wanted: Change | Measurement | None, status: DeviceStatus) -> None:
+        if wanted is None:
             self._commands.rest()
             self._setting = replace(self._setting, phase_deg=0.0, drive_on=0)
-            self._measurement = None
-            self._failing.clear()
+            self._end_all()
         elif self._trip is not None:
-            self._failing.append((time.monotonic() + GRACE_S, status))
+            self._fail_later(status, self._trip)
+            return
+        elif isinstance(wanted, Measurement):
+            if self._measurement is not None:
+                self._measurement.status.end()
+            self._measurement = wanted
             return
         else:
-            setting = change(self._setting)
+            setting = wanted(self._setting)
             if setting.drive_on:
                 self._commands.apply(setting)
             self._setting = setting
@@ -225,6 +232,7 @@ class BenchLoop:
         self.speed.put(row.speed_rad_s, at_s)
         if row.temperature_c is not None:
             self.temperature.put(row.temperature_c, at_s)
+        self.ready.tell_again()
         for listener in list(self.listeners):
             listener(row, at_s)
         if measurement is not None and self._trip is None:
@@ -236,8 +244,7 @@ class BenchLoop:
         dwell = measurement.dwell
         if measurement.settling.has_enough(dwell.windows, dwell.extend_to_windows):
             measurement.row = row
-            if self._measurement is measurement:
-                self._measurement = None
+            self._measurement = None
             measurement.status.end()
 
     def _tripped(self, error: BenchError) -> None:
@@ -250,26 +257,32 @@ class BenchLoop:
         self._trip = error
         if self.ready.get():
             self.ready.put(value=False, at_s=time.time())
-        self._doom_measurement()
-
-    def _doom_measurement(self) -> None:
         measurement, self._measurement = self._measurement, None
         if measurement is not None:
-            self._failing.append((time.monotonic() + GRACE_S, measurement.status))
+            self._fail_later(measurement.status, error)
+
+    def _fail_later(self, status: DeviceStatus, error: BenchError) -> None:
+        self._failing.append((time.monotonic() + GRACE_S, error, status))
 
     def _fail_those_due(self) -> None:
-        if self._trip is not None and self._measurement is not None:
-            self._doom_measurement()
         now_s = time.monotonic()
-        due = [status for at_s, status in self._failing if at_s <= now_s]
-        self._failing = [(at_s, status) for at_s, status in self._failing if at_s > now_s]
-        for status in due:
-            status.end(self._trip)
+        due = [failing for failing in self._failing if failing[0] <= now_s]
+        self._failing = [failing for failing in self._failing if failing[0] > now_s]
+        for _, error, status in due:
+            status.end(error)
 
     def _break_with(self, error: BenchError) -> None:
         self._trip = error
         self._broken = True
         self.ready.put(value=False, at_s=time.time())
+
+    def _end_all(self, error: BenchError | None = None) -> None:
+        """End what is under way: a plan taken up again may wait for it beside the new."""
+        measurement, self._measurement = self._measurement, None
+        waiting = [status for _, _, status in self._failing]
+        self._failing.clear()
+        for status in [*waiting, *([measurement.status] if measurement else [])]:
+            status.end(error)
 
     def _refuse_all(self) -> None:
         """Answer what is asked once the loop has ended, until nobody asks any more."""
@@ -280,10 +293,6 @@ class BenchLoop:
 
     def _refuse(self, error: BenchError) -> None:
         while not self._requests.empty():
-            change, status = self._requests.get()
-            status.end(None if change is None else error)
-        measurement, self._measurement = self._measurement, None
-        waiting = [status for _, status in self._failing]
-        self._failing.clear()
-        for status in [*waiting, *([measurement.status] if measurement else [])]:
-            status.end(error)
+            wanted, status = self._requests.get()
+            status.end(None if wanted is None else error)
+        self._end_all(error)

@@ -64,9 +64,13 @@ class Signal:
         self._at_s = time.time()
         self._lock = threading.Lock()
         self._callbacks: list[Callback] = []
+        self._untold: list[Callback] = []
 
     def put(self, value: float | bool, at_s: float) -> None:
         """Take a new value and tell everybody who subscribed.
+
+        bluesky's suspenders raise RuntimeError where the RunEngine is busy, for example waiting
+        for a device to stop; `tell_again` then has to follow.
 
         Parameters
         ----------
@@ -78,8 +82,20 @@ class Signal:
         with self._lock:
             self._value, self._at_s = value, at_s
             callbacks = list(self._callbacks)
+        self._tell(callbacks)
+
+    def tell_again(self) -> None:
+        """Tell those of the value who could not take it before."""
+        if self._untold:
+            self._tell(self._untold)
+
+    def _tell(self, callbacks: list[Callback]) -> None:
+        self._untold = []
         for callback in callbacks:
-            callback(value=value, timestamp=at_s)
+            try:
+                callback(value=self._value, timestamp=self._at_s)
+            except RuntimeError:
+                self._untold.append(callback)
 
     def get(self) -> float | bool:
         """Return the value."""
@@ -124,3 +140,4 @@ class Signal:
         """
         with self._lock:
             self._callbacks = [kept for kept in self._callbacks if kept != function]
+            self._untold = [kept for kept in self._untold if kept != function]

@@ -230,6 +230,62 @@ def test_a_suspender_on_a_signal_switches_off_and_begins_the_point_again(
     assert "Suspending" in capsys.readouterr().out
 
 
+def test_a_point_suspended_before_its_wait_is_begun_again(open_bench: Any) -> None:
+    """bluesky waits for what a point began before the suspension and after it, together."""
+    with open_bench() as bench:
+        devices = bench.devices
+        bench.engine.install_suspender(
+            SUSPENDERS.SuspendCeil(devices.temperature, 60.0, resume_thresh=50.0)
+        )
+        begun: list[float] = []
+
+        def point() -> Iterator[Any]:
+            yield from bps.checkpoint()
+            yield from bps.mv(devices.phase, 60.0)
+            yield from bps.trigger(devices.encoder, group="speed")
+            begun.append(time.monotonic())
+            yield from bps.sleep(0.5)
+            yield from bps.wait(group="speed", timeout=20.0)
+            yield from bps.create()
+            yield from bps.read(devices.encoder)
+            yield from bps.save()
+
+        def warm_and_cool() -> None:
+            wait_for(lambda: begun)
+            devices.temperature.put(65.0, time.time())
+            wait_for(lambda: not bench.drive_is_on)
+            devices.temperature.put(45.0, time.time())
+
+        helper = threading.Thread(target=warm_and_cool)
+        helper.start()
+        bench.engine(PREPROCESSORS.run_wrapper(point()))
+        helper.join(30.0)
+        assert [event["speed_rad_s"] > 3.0 for event in bench.events()] == [True]
+
+
+def test_what_an_interlock_ended_fails_though_it_is_acknowledged_at_once(open_bench: Any) -> None:
+    with open_bench(overspeed_rad_s=5.0) as bench:
+        devices = bench.devices
+        devices.phase.set(90.0)
+        ended = devices.encoder.trigger()
+        wait_for(lambda: devices.ready.get() is False)
+        devices.acknowledge()
+        with pytest.raises(InterlockError, match="over-speed"):
+            ended.wait(10.0)
+
+
+def test_a_measurement_that_is_stopped_ends_without_a_speed(open_bench: Any) -> None:
+    with open_bench() as bench:
+        devices = bench.devices
+        devices.phase.set(60.0).wait(10.0)
+        first, second = devices.encoder.trigger(), devices.encoder.trigger()
+        devices.phase.stop()
+        first.wait(10.0)
+        second.wait(10.0)
+        with pytest.raises(BenchError, match="no speed was measured"):
+            devices.encoder.read()
+
+
 @pytest.mark.parametrize("kind", [FaultKind.EVENT_STREAM_DEAD, FaultKind.DAQ_OVERFLOW])
 def test_a_card_that_breaks_ends_the_plan_with_its_reason(open_bench: Any, kind: FaultKind) -> None:
     with open_bench((Fault(kind, 3.0),)) as bench:

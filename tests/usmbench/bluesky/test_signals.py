@@ -25,3 +25,24 @@ def test_subscribers_hear_of_every_value_until_they_leave() -> None:
 def test_a_data_key_says_kind_and_unit() -> None:
     assert data_key("encoder", "rad/s")["units"] == "rad/s"
     assert data_key("interlocks", dtype="boolean")["dtype_numpy"] == "|b1"
+
+
+def test_who_was_too_busy_to_hear_is_told_again() -> None:
+    """bluesky's suspenders raise where the RunEngine does not answer within 0.1 s."""
+    signal = Signal("ready", data_key("interlocks", dtype="boolean"), value=True)
+    heard: list[tuple[str, bool]] = []
+    busy = [True, True, False]
+
+    def answer(value: bool, timestamp: float) -> None:
+        if busy.pop(0):
+            raise RuntimeError
+        heard.append(("slow", value))
+
+    signal.subscribe(answer, run=False)
+    signal.subscribe(lambda value, timestamp: heard.append(("quick", value)), run=False)
+    signal.put(value=False, at_s=5.0)
+    assert heard == [("quick", False)]
+    signal.tell_again()
+    signal.tell_again()
+    signal.tell_again()
+    assert heard == [("quick", False), ("slow", False)]
