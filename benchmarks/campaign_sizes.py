@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_FAR: Final = 6.0
+_FAR: Final = 6.0  # spreads of the bulk
 _HANDFUL: Final = 10  # windows
 _COUNT_RAD_S: Final = 2.0 * np.pi / 2000.0 / 0.01  # one count in a window
 

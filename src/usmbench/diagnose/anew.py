@@ -94,7 +94,7 @@ class Anew:
             rest,
             verdict="explained" if all_said else "partly_explained",
             causes=(cause,),
-            remainder=None if all_said else describe(rest.views, 1.0),
+            remainder=None if all_said else rest.remainder or describe(rest.views, 1.0),
             extended=self.model,
             rmse_simulation_rad_s=gain.rmse_simulation_rad_s,
             rmse_extended_rad_s=gain.rmse_extended_rad_s,

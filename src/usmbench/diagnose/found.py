@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 _MOST_NAMED = 2  # where a third earns its place, too, it is more likely that none is the cause
 # What has no name is a finding only from half the noise's rms on; a name must earn its own place.
 _LEAST_EXCESS = 0.25
-_LEAST_GAIN = 0.01
+_LEAST_GAIN = 0.01  # of the held-out mean square above the noise
 _MOST_LEFT = 0.4  # as a share; what verdict() calls partly explained ends there, too
 _GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by a tenth
 _ACTS = 2.0  # times the noise

@@ -62,19 +62,20 @@ def shown(stretch: Stretch, settled_rad_s: Array) -> Array:
         The change, shape (N,), or (N, K) for K of them at once.
     """
     linear = stretch.context.linear
-    if linear.slip_limit_rad_s is None:
+    limit_rad_s = linear.slip_limit_rad_s
+    if limit_rad_s is None:
         return from_rest(linear.b, linear.a, linear.dead_time_windows, settled_rad_s)
-    moved: Array = np.apply_along_axis(partial(_limited, stretch), 0, settled_rad_s)
+    moved: Array = np.apply_along_axis(partial(_limited, stretch, limit_rad_s), 0, settled_rad_s)
     return moved
 
 
-def _limited(stretch: Stretch, change: Array) -> Array:
+def _limited(stretch: Stretch, limit_rad_s: float, change: Array) -> Array:
     """Tangent of the run with a torque limit along a change, shape (N,)."""
     linear, settled_rad_s = stretch.context.linear, stretch.settled_rad_s
     largest = float(np.max(np.abs(change)))
-    if largest == 0.0 or linear.slip_limit_rad_s is None:
+    if largest == 0.0:
         return change
-    step, start_rad_s = _NUDGE * linear.slip_limit_rad_s / largest, float(settled_rad_s[0])
+    step, start_rad_s = _NUDGE * limit_rad_s / largest, float(settled_rad_s[0])
     moved = free_run(linear, settled_rad_s + step * change, start_rad_s)
     return (moved - free_run(linear, settled_rad_s, start_rad_s)) / step
 

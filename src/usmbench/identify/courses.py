@@ -17,7 +17,7 @@ from usmbench.runs.dwells import dwell_begin
 
 Array = NDArray[np.float64]
 
-_BLOCK_ROWS = 25
+_BLOCK_ROWS = 25  # far beyond the memory, and few enough that short stretches have both halves
 _FORGOTTEN = 1e-6
 
 
