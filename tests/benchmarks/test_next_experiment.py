@@ -34,7 +34,7 @@ def test_the_triangle_has_one_rate(benchmark: ModuleType) -> None:
 def test_the_proposed_experiment_decides_between_delay_and_hysteresis(
     benchmark: ModuleType, tmp_path: Path
 ) -> None:
-    steps = list(benchmark.Motor(tmp_path, 1).decided(parse_defect("command_queue=80")))
+    steps = list(benchmark.Motor(tmp_path, 1).decided(parse_defect("command_queue=40")))
     assert {"transport_delay", "dead_zone_hysteresis"} <= set(steps[0].named[0])
     assert len(steps) > 1
     assert all("Odds" in step.proposal for step in steps[:-1])

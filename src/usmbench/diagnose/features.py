@@ -14,8 +14,8 @@ resonance both again, of what the resonance's move does, where the model knows s
 lag k     the step, k windows after it, times hats over the speeds it leads from and to; again
           times the place in frequency and torque: the lag changes along the resonance
 edge      what a wider dead zone changes, times a hat over time: it widens as the motor warms
-start     a speed lost near standstill, after each kind of step, and a dead zone that is wider
-          outward bound: a rotor sticks
+start     a speed lost near standstill, after each kind of step, and again times the place in
+          frequency and torque; and a dead zone that is wider outward bound: a rotor sticks
 angle     the speed, times a wave once and twice a revolution
 ========= ==========================================================================
 """
@@ -44,7 +44,8 @@ _TIME_NODES, _EDGE_NODES = 8, 4
 _TABLE = 2001
 _CELLS = (7, 5, 3, 2, 2, 2)  # nodes along each speed at each lag
 _DENSER = 2.5  # how much denser these are near standstill, where friction holds the rotor
-_CREEP = (0.01, 0.03)  # speeds near standstill, as shares of the highest
+# Speeds near standstill, as shares of the highest: a rotor that sticks starts with a jump.
+_CREEP = (0.0, 0.006, 0.012, 0.02, 0.03, 0.05, 0.08)
 _REACH = 0.25  # share of the known time by which a line in time is carried on
 _LAG_GROUPS = tuple(f"lag {k}" for k in range(LAGS))
 GROUPS = (
@@ -112,10 +113,19 @@ class Features:
             0 if self.steepest_rad_s is None else _TIME_NODES + 3,
             _EDGE_NODES - 1,
             *((1 + self.n_places) * n * n for n in _CELLS),
-            KINDS * len(_CREEP) + 1,
+            (1 + self.n_places) * KINDS * (len(_CREEP) - 2) + 1,
             4,
         ]
         return [g for g, n in zip(GROUPS, counts, strict=True) for _ in range(n)]
+
+    @property
+    def warms(self) -> NDArray[np.bool_]:
+        """Which columns grow as the motor warms, shape (K,)."""
+        groups = self.groups
+        grow = np.isin(groups, ("time", "heat", "resonance", "edge"))
+        if "resonance" in groups:
+            grow[groups.index("resonance")] = False  # a shift that is there from the start
+        return grow
 
     @property
     def prior(self) -> Array:
@@ -195,9 +205,10 @@ class Features:
         """Yield speeds lost near standstill, by the kind of the last step."""
         settled = stretch.settled_rad_s
         kind = step_kind(stretch)
-        for share in _CREEP:
-            lost = np.sign(settled) * np.exp(-np.abs(settled) / (share * self.top_rad_s))
-            yield from (lost * (kind == k) for k in range(KINDS))
+        near = list(hats(np.abs(settled) / self.top_rad_s, np.array(_CREEP)))[1:-1]
+        for place in (1.0, *stretch.places):
+            for lost in near:
+                yield from (place * np.sign(settled) * lost * (kind == k) for k in range(KINDS))
 
     def combined(self, stretch: Stretch, coefficients: Array) -> Array:
         """Return the columns' sum with coefficients, shape (N,).

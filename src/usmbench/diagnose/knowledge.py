@@ -20,6 +20,7 @@ from usmbench.diagnose.stretches import Stretch
 from usmbench.diagnose.triangle_text import triangle_of, triangle_text
 from usmbench.diagnose.wander import (
     LEAST,
+    WARMS_OTHERWISE,
     Wander,
     departures,
     wander_from_mapping,
@@ -104,12 +105,15 @@ class Knowledge:
         runs = sorted({s.run for s in stretches})
         free = self.root != 0.0
         shaped, ways = np.any(free, axis=1), np.any(free, axis=0)
+        warms = np.where(self.features.warms, self.mean, 0.0)[shaped]
         found = []
         for s in stretches:
-            shapes = compress(self.features.columns(s), shaped)
-            own = departures(s)
-            found.append(np.column_stack([*shapes, *(own * (s.run == run) for run in runs)]))
-        apart = np.diag(np.tile(self.wander.deviations, len(runs)))
+            none = np.empty((s.context.n, 0))
+            shapes = np.column_stack([none, *compress(self.features.columns(s), shaped)])
+            warm, late = shapes @ warms, 2.0 * s.context.t_s / self.features.end_s - 1.0
+            own = np.column_stack((departures(s), warm, warm * late))
+            found.append(np.column_stack([shapes, *(own * (s.run == run) for run in runs)]))
+        apart = np.diag(np.tile([*self.wander.deviations, *WARMS_OTHERWISE], len(runs)))
         return found, block_diag(self.root[np.ix_(shaped, ways)], apart)
 
     def to_mapping(self) -> dict[str, Any]:
@@ -199,5 +203,5 @@ def _cautious(model: HammersteinModel) -> Knowledge:
         features,
         np.zeros(len(groups)),
         np.diag([deviation.get(g, 0.0) for g in groups]),
-        wander_of_shares(LEAST, features.top_rad_s, len(model.points)),
+        wander_of_shares(LEAST, features.top_rad_s, features.n_points, features.n_places),
     )

@@ -26,7 +26,8 @@ from usmbench.diagnose.experiment_menu import (
 from usmbench.diagnose.fitting import Fit
 from usmbench.diagnose.knowledge import Knowledge, knowledge_of
 from usmbench.diagnose.naming import telling_deviance
-from usmbench.diagnose.noise import Noise, estimate_noise
+from usmbench.diagnose.noise import Noise
+from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.refining import refine
 from usmbench.diagnose.result import Candidate, Diagnosis, Estimate, NamedCause

@@ -15,7 +15,8 @@ from scipy.signal import lfilter
 from usmbench.diagnose.features import Features, features_of
 from usmbench.diagnose.knowledge import KEY, Knowledge
 from usmbench.diagnose.naming import rank
-from usmbench.diagnose.noise import Noise, estimate_noise
+from usmbench.diagnose.noise import Noise
+from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.spikes import PLAIN, count_steady, spiked
 from usmbench.diagnose.stretches import Mask, Stretch, cut_runs
@@ -103,7 +104,8 @@ def measure_knowledge(stretches: Sequence[Stretch]) -> Knowledge:
     left, masks = residuals, uses
     mean, root = np.zeros(0), np.zeros((0, 0))
     wander, least = (
-        wander_of_shares(shares, features.top_rad_s, features.n_points) for shares in (ANY, LEAST)
+        wander_of_shares(shares, features.top_rad_s, features.n_points, features.n_places)
+        for shares in (ANY, LEAST)
     )
     for _ in range(_ROUNDS):
         far = spiked(stretches, left, noise, near_steps=True)

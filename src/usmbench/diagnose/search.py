@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from usmbench.diagnose.found import Found
 from usmbench.diagnose.knowledge import Knowledge
 from usmbench.diagnose.naming import SIGNIFICANT, rank, whole_test
-from usmbench.diagnose.noise import Noise, estimate_noise
+from usmbench.diagnose.noise import Noise
+from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.refining import refine_widely
 from usmbench.diagnose.spikes import isolated, spiked

@@ -26,6 +26,7 @@ _NODES = 16_385
 _LONGEST_START = 50
 _MOST_WINDOWS = 40_000  # more add time and memory, and hardly power
 _BLOCK = 2000
+_FASTEST_RAD_S = 1e3  # beyond any step
 
 
 class TabledCurve:
@@ -97,6 +98,8 @@ class Stretch:
         Change of the settled speed at that moment.
     direction
         +1 where φ last rose, -1 where it last fell, 0 before it moved.
+    again
+        Rows of the stretch that follow the same jump at the same distance, this one among them.
     use
         Rows to judge: inside the model's range and past the start.
     points
@@ -114,6 +117,7 @@ class Stretch:
     lag: NDArray[np.int64]
     step_rad_s: Array
     direction: Array
+    again: NDArray[np.int64]
     use: Mask
     points: tuple[Array, ...]
     places: tuple[Array, ...]
@@ -234,6 +238,7 @@ def _stretch(
     simulated = extended_run(effects, context)
     rows, last = np.arange(context.n), dwell_begin(context.phase_deg)
     jump_rad_s = np.diff(simulated.settled_rad_s, prepend=simulated.settled_rad_s[:1])
+    lag, step_rad_s = rows - last, jump_rad_s[last]
     started = rows >= min(memory_windows(context.linear) + 3, _LONGEST_START)
     return Stretch(
         run,
@@ -242,12 +247,24 @@ def _stretch(
         speed_rad_s,
         simulated.speed_rad_s,
         simulated.settled_rad_s,
-        rows - last,
-        jump_rad_s[last],
+        lag,
+        step_rad_s,
         np.sign(np.diff(context.phase_deg, prepend=context.phase_deg[:1]))[last],
+        _again(simulated.settled_rad_s, step_rad_s, lag),
         use & started,
         *at,
     )
+
+
+def _again(settled_rad_s: Array, step_rad_s: Array, lag: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Count the rows of each kind: a plan that repeats itself repeats the model's error."""
+    _, same, counts = np.unique(
+        np.round(settled_rad_s + 1j * (step_rad_s + _FASTEST_RAD_S * lag), 6),
+        return_inverse=True,
+        return_counts=True,
+    )
+    again: NDArray[np.int64] = counts[same]
+    return again
 
 
 def _beyond(model: HammersteinModel, weights: Sequence[Array], phase_deg: Array) -> Mask:

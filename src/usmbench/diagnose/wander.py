@@ -12,12 +12,17 @@ from usmbench.diagnose.stretches import Stretch
 
 Array = NDArray[np.float64]
 
-# The gain's share, the lag's time in s, and the share of the highest speed that friction takes.
-LEAST = (3e-4, 3e-6, 2e-4)  # repeatability that one run cannot show
-ANY = (0.05, 1e-4, 0.02)  # any run may be off by this while the wander is learnt
+# The gain, by how much more at one end of speeds, frequencies and torques, the lag in s, and the
+# shares of the highest speed that friction takes and that a rotor loses that sticks longer.
+LEAST = (3e-4, 5e-5, 3e-6, 2e-4, 2e-4)  # repeatability that one run cannot show
+ANY = (0.05, 0.01, 1e-4, 0.02, 0.02)  # any run may be off by this while the wander is learnt
+# Shares by which a run may warm more or less than is known, and sooner or later: it starts at
+# another temperature, and no plan heats just as another does.
+WARMS_OTHERWISE = (0.25, 0.25)
 _BEST_GAIN = 2e-4  # no bench repeats better than that
 _RESONANCE = 3e-6  # by which a fifth of a kelvin moves it: no bench starts warmer by less
 _FEWEST = 0.5  # degrees of freedom that an estimate needs
+_STICKING = (0.0, 0.02, 0.05)  # shares of the highest speed: from, most, to
 _STANDING = 0.01  # of the highest speed: in the dead zone a fitted curve is not exactly 0
 
 
@@ -29,28 +34,41 @@ class Wander:
     ----------
     gain
         Of the gain, as a share.
+    gain_tilt
+        Of how much further it is off at the highest speed, and at one end of the frequencies and of
+        the torques, than in their middle: the slip does not grow with it, and is another share of
+        the speed there.
     late_s
         Of the time by which the speed follows a jump: friction brakes it more or less, and the
         commands meet the windows sooner or later.
+    stuck_rad_s
+        Of the speed lost where the dead zone ends: a rotor that sticks starts with a jump, on one
+        day at a smaller phase than on another.
     held_back_rad_s
         Of the speed that friction takes near standstill, at each operating point: the edges of the
         dead zone move with it.
     """
 
     gain: float
+    gain_tilt: tuple[float, ...]
     late_s: float
+    stuck_rad_s: float
     held_back_rad_s: tuple[float, ...]
 
     @property
     def deviations(self) -> Array:
         """In the order of the columns of `departures`, the resonance's among them, shape (W,)."""
-        return np.array([self.gain, self.late_s, _RESONANCE, *self.held_back_rad_s])
+        shares = (self.gain, *self.gain_tilt)
+        rest = (self.late_s, _RESONANCE, self.stuck_rad_s, *self.held_back_rad_s)
+        return np.array([*shares, *rest])
 
     def to_mapping(self) -> dict[str, Any]:
         """Return what the model file keeps."""
         return {
             "gain": self.gain,
+            "gain_tilt": list(self.gain_tilt),
             "late_s": self.late_s,
+            "stuck_rad_s": self.stuck_rad_s,
             "held_back_rad_s": list(self.held_back_rad_s),
         }
 
@@ -70,12 +88,16 @@ def wander_from_mapping(content: Mapping[str, Any]) -> Wander:
     """
     return Wander(
         float(content["gain"]),
+        tuple(float(tilt) for tilt in content["gain_tilt"]),
         float(content["late_s"]),
+        float(content["stuck_rad_s"]),
         tuple(float(held) for held in content["held_back_rad_s"]),
     )
 
 
-def wander_of_shares(shares: tuple[float, float, float], top_rad_s: float, n_points: int) -> Wander:
+def wander_of_shares(
+    shares: tuple[float, ...], top_rad_s: float, n_points: int, n_places: int
+) -> Wander:
     """Return a wander that holds friction back alike at every operating point.
 
     Parameters
@@ -86,9 +108,17 @@ def wander_of_shares(shares: tuple[float, float, float], top_rad_s: float, n_poi
         Highest speed of the model.
     n_points
         Number of its operating points.
+    n_places
+        Whether these differ in frequency, in torque (1) or in both (2).
     """
-    gain, late_s, held_back = shares
-    return Wander(gain, late_s, (held_back * top_rad_s,) * n_points)
+    gain, tilt, late_s, held_back, stuck = shares
+    return Wander(
+        gain,
+        (tilt,) * (1 + n_places),
+        late_s,
+        stuck * top_rad_s,
+        (held_back * top_rad_s,) * n_points,
+    )
 
 
 def departures(stretch: Stretch) -> Array:
@@ -108,11 +138,14 @@ def departures(stretch: Stretch) -> Array:
     share = stretch.settled_rad_s / np.maximum(highest_rad_s(stretch), 1e-12)
     against = -np.clip(share / _STANDING, -1.0, 1.0) * (1.0 - np.minimum(share**2, 1.0))
     held_back = shown(stretch, np.column_stack(stretch.points) * against[:, None])
+    stuck = -np.sign(share) * np.interp(np.abs(share), _STICKING, (0.0, 1.0, 0.0))
     gain = stretch.simulated_rad_s
     if stretch.context.linear.slip_limit_rad_s is not None:
         gain = shown(stretch, stretch.settled_rad_s)  # a torque limit does not grow with it
-    late = later_rad_s_per_s(stretch)
-    return np.column_stack((gain, late, detuned_rad_s(stretch), held_back))
+    fast = 2.0 * np.minimum(np.abs(share), 1.0) - 1.0
+    tilted = [gain * place for place in (fast, *stretch.places)]
+    late, detuned = later_rad_s_per_s(stretch), detuned_rad_s(stretch)
+    return np.column_stack((gain, *tilted, late, detuned, shown(stretch, stuck), held_back))
 
 
 def measured_wander(before: Wander, least: Wander, runs: Array, variance: Array) -> Wander:
@@ -137,8 +170,15 @@ def measured_wander(before: Wander, least: Wander, runs: Array, variance: Array)
     # A standard deviation of few values is itself uncertain: err on the side of more wander.
     inflation = 1.0 + 1.0 / np.sqrt(2.0 * free)
     found = before.deviations * np.sqrt(np.sum(runs**2, axis=0) / free) * inflation
-    gain, late_s, _, *held_back = np.where(shown, found, least.deviations)
+    found = np.where(shown, found, least.deviations)
+    ends = 1 + len(least.gain_tilt)
+    gain, gain_tilt = float(found[0]), np.maximum(found[1:ends], least.gain_tilt)
+    late_s, _, stuck_rad_s, *held_back = found[ends:]
     held_back_rad_s = np.maximum(held_back, least.held_back_rad_s).tolist()
     return Wander(
-        max(float(gain), _BEST_GAIN), max(float(late_s), least.late_s), tuple(held_back_rad_s)
+        max(gain, _BEST_GAIN),
+        tuple(gain_tilt.tolist()),
+        max(float(late_s), least.late_s),
+        max(float(stuck_rad_s), least.stuck_rad_s),
+        tuple(held_back_rad_s),
     )

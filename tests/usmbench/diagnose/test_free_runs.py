@@ -7,7 +7,7 @@ import pytest
 
 from usmbench.diagnose.free_runs import FreeRuns
 from usmbench.diagnose.knowledge import knowledge_of
-from usmbench.diagnose.noise import estimate_noise
+from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.stretches import Stretch
 from usmbench.model.effects.base import Context

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from usmbench.diagnose.noise import estimate_noise, noise_from_mapping, step_kind
+from usmbench.diagnose.noise import noise_from_mapping, step_kind
+from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.stretches import Stretch, cut_runs
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve

@@ -7,7 +7,8 @@ import pytest
 from numpy.typing import NDArray
 
 from usmbench.diagnose.knowledge import Knowledge, knowledge_of
-from usmbench.diagnose.noise import Noise, estimate_noise
+from usmbench.diagnose.noise import Noise
+from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.stretches import Stretch
 from usmbench.model.effects.registry import find_effect

@@ -25,6 +25,8 @@ NOISE = Noise(
     1.0,
     np.ones((LAGS, KINDS, 1)),
     np.zeros((LAGS, KINDS, 1)),
+    np.zeros(4),
+    np.zeros(LAGS),
 )
 
 

@@ -17,9 +17,10 @@ Array = NDArray[np.float64]
 WINDOW_S, NOISE_RAD_S = 0.01, 0.008
 SLIP_RAD_S = {40_050.0: 0.1, 41_000.0: 1.0}  # that friction takes near standstill
 LINEAR = first_order(0.0035, 0.0015, WINDOW_S)
-BEFORE = Wander(0.01, 1e-4, (0.1, 0.2))
-LEAST = Wander(3e-4, 3e-6, (1e-3, 1e-3))
-RUNS = np.array([[1.0, 0.1, 0.0, 2.0, 0.5], [-1.0, -0.1, 0.0, -2.0, -0.5]])
+BEFORE = Wander(0.01, (1e-3, 2e-3), 1e-4, 0.02, (0.1, 0.2))
+LEAST = Wander(3e-4, (5e-5, 5e-5), 3e-6, 1e-3, (1e-3, 1e-3))
+DAY = np.array([1.0, 0.2, 0.5, 0.1, 0.0, 0.3, 2.0, 0.5])
+RUNS = np.array([DAY, -DAY])
 
 
 def _curve(frequency_hz: float, gain: float = 1.0, friction: float = 1.0) -> StaticCurve:
@@ -31,15 +32,18 @@ def _curve(frequency_hz: float, gain: float = 1.0, friction: float = 1.0) -> Sta
     return StaticCurve(phase_deg, speed_rad_s)
 
 
-def _driven(seed: int, gain: float, friction: float, n: int = 3000, late_s: float = 0.0) -> Record:
+def _driven(
+    seed: int, gain: float, friction: float, *, late_s: float = 0.0, tilt: float = 0.0
+) -> Record:
     """Return a run on a day of its own, half of it at each frequency, in an order that turns."""
+    n = 3000
     rng = np.random.default_rng(seed)
     phase_deg = np.repeat(rng.uniform(-88.0, 88.0, n // 10), 10)
     frequency_hz = np.repeat(sorted(SLIP_RAD_S, reverse=bool(seed % 2)), n // 2)
     settled = np.zeros(n)
-    for f in SLIP_RAD_S:
+    for f, side in zip(SLIP_RAD_S, (-1.0, 1.0), strict=True):
         at = frequency_hz == f
-        settled[at] = _curve(f, gain, friction).speed_rad_s(phase_deg[at])
+        settled[at] = _curve(f, gain + side * tilt, friction).speed_rad_s(phase_deg[at])
     linear = first_order(0.0035, 0.0015 + late_s, WINDOW_S)
     speed = free_run(linear, settled) + NOISE_RAD_S * rng.standard_normal(n)
     t_s = WINDOW_S * np.arange(1.0, n + 1.0)
@@ -83,6 +87,18 @@ def test_friction_wanders_at_each_operating_point_by_its_own_amount(
     assert wander.gain < 1e-3
 
 
+def test_a_gain_that_wanders_more_at_one_frequency_is_no_drift(plain: HammersteinModel) -> None:
+    """Half of a run at each frequency: what differs between them looks like time passing."""
+    off = 0.01 * np.array([-1.2, 0.4, 1.1, -0.3, 0.9, -0.9])
+    days = [_driven(k, 1.0 + g, 1.0, tilt=0.2 * g) for k, g in enumerate(off, start=10)]
+    model = with_knowledge(plain, days)
+    wander = wander_from_mapping(model.residual["diagnosis"])
+    assert wander.gain_tilt[1] == pytest.approx(0.2 * np.std(off, ddof=1), rel=0.5)
+    for seed, gain in ((1, 0.012), (2, -0.01)):
+        record = _driven(seed, 1.0 + gain, 1.0, tilt=0.2 * gain)
+        assert diagnose([record], model).verdict == "no_discrepancy"
+
+
 def test_commands_that_meet_the_windows_sooner_or_later_are_no_news(
     plain: HammersteinModel,
 ) -> None:
@@ -101,8 +117,9 @@ def test_friction_takes_most_near_standstill_and_nothing_at_the_top(
     plain: HammersteinModel,
 ) -> None:
     (stretch,), _ = cut_runs([_driven(1, 1.0, 1.0)], plain, ())
-    gain, _, _, *held_back = departures(stretch).T
+    gain, _, tilted, _, _, _, *held_back = departures(stretch).T
     np.testing.assert_array_equal(gain, stretch.simulated_rad_s)
+    np.testing.assert_array_equal(tilted, gain * stretch.places[0])
     calm, settled = stretch.lag > 8, stretch.settled_rad_s
     for held, weight in zip(held_back, stretch.points, strict=True):
         slowed = -held * np.sign(settled)
@@ -118,7 +135,9 @@ def test_the_wander_is_the_spread_of_the_runs_and_what_their_number_leaves_open(
     found = measured_wander(BEFORE, LEAST, runs, np.zeros_like(runs))
     spread = np.sqrt(4.0 / 3.0) * (1.0 + 1.0 / np.sqrt(6.0))
     assert found.gain == pytest.approx(0.01 * spread)
+    assert found.gain_tilt == pytest.approx((2e-4 * spread, 1e-3 * spread))
     assert found.late_s == pytest.approx(1e-5 * spread)
+    assert found.stuck_rad_s == pytest.approx(6e-3 * spread)
     assert found.held_back_rad_s == pytest.approx((0.2 * spread, 0.1 * spread))
 
 
@@ -129,7 +148,7 @@ def test_a_run_that_cannot_show_a_departure_does_not_count() -> None:
 
 
 def test_one_run_shows_no_wander() -> None:
-    assert measured_wander(BEFORE, LEAST, np.zeros((1, 5)), np.zeros((1, 5))) == LEAST
+    assert measured_wander(BEFORE, LEAST, np.zeros((1, 8)), np.zeros((1, 8))) == LEAST
 
 
 def test_the_wander_comes_back_from_the_model_file() -> None:

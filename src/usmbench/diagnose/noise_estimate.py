@@ -1,0 +1,165 @@
+"""The noise of a free-running residual estimated, with medians and trimmed means."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_toeplitz
+
+from usmbench.diagnose.noise import KINDS, LAGS, STARTS, Noise, farther_out, step_kind
+from usmbench.diagnose.stretches import Mask, Stretch
+
+Array = NDArray[np.float64]
+
+_SIZES, _FEWEST_OF_SIZE = 4, 8
+_HIGHEST_ORDER = 6
+_BINS = 16
+_TRIMMED = 1.2  # what is left out above 97 % of a normal variable, and a little for heavier tails
+_LEAST_SHARE = 0.3  # of the middle noise level: a standing rotor shows none, yet is not exact
+_FEWEST_STARTS, _FEWEST_PAIRS = 20, 100  # rows
+_NORMAL = 1.4826  # standard deviation over median absolute deviation
+_FAR = 4.0  # times the noise: what is farther out counts as that far
+
+
+def estimate_noise(
+    stretches: Sequence[Stretch], residuals: Sequence[Array], masks: Sequence[Mask]
+) -> Noise:
+    """Estimate the noise from residuals, with medians that spikes do not move.
+
+    Parameters
+    ----------
+    stretches
+        The stretches.
+    residuals
+        What is left on each, in rad/s.
+    masks
+        Rows that count.
+    """
+    phase_deg = np.concatenate([s.context.phase_deg for s in stretches])
+    lag = np.concatenate([s.lag for s in stretches])
+    kind = np.concatenate([step_kind(s) for s in stretches])
+    step = np.concatenate([s.step_rad_s for s in stretches])
+    use = np.concatenate(list(masks))
+    error = np.concatenate(list(residuals))
+    quiet = use & ((lag >= LAGS) | (np.abs(step) < 1e-9))
+    if np.count_nonzero(quiet) < 50:
+        quiet = use & (lag >= min(2, int(lag[use].max(initial=0))))
+    centres, sigma = _levels(phase_deg[quiet], error[quiet])
+    middle = float(np.median(sigma))
+    sizes, spreads = np.ones((LAGS, KINDS, _SIZES)), np.zeros((LAGS, KINDS, _SIZES))
+    for k, c in np.ndindex(LAGS, KINDS):
+        rows = use & (lag == k) & (kind == c) & (np.abs(step) > 2.0 * middle)
+        sizes[k, c], spreads[k, c] = _by_size(np.abs(step[rows]), error[rows], middle)
+    flat = Noise(
+        centres, sigma, np.empty(0), 1.0, sizes, spreads, np.zeros(len(STARTS)), np.zeros(LAGS)
+    )
+    flat = replace(flat, start_rad_s=_at_edge(stretches, residuals, masks, flat))
+    flat = replace(flat, same_again=_returning(stretches, residuals, masks, flat))
+    ar, innovation = _colour(stretches, residuals, masks, flat)
+    return replace(flat, ar=ar, innovation=innovation)
+
+
+def _levels(phase_deg: Array, error: Array) -> tuple[Array, Array]:
+    """Robust standard deviation in bins of equal numbers of rows along the phase."""
+    n_bins = int(np.clip(phase_deg.size // 60, 1, _BINS))
+    centres, sigma = [], []
+    for rows in np.array_split(np.argsort(phase_deg, kind="stable"), n_bins):
+        centres.append(float(np.mean(phase_deg[rows])))
+        sigma.append(_spread(error[rows]))
+    order = np.argsort(centres)
+    levels = np.array(sigma)[order]
+    middle = max(float(np.sqrt(np.mean(levels**2))), 1e-9)
+    return np.array(centres)[order], np.maximum(levels, _LEAST_SHARE * middle)
+
+
+def _spread(values: Array) -> float:
+    """Robust standard deviation about 0: by the median, but not below the trimmed one."""
+    size = np.abs(values)
+    trimmed = values[size <= np.quantile(size, 0.98)]
+    return max(_NORMAL * float(np.median(size)), float(np.sqrt(np.mean(trimmed**2))))
+
+
+def _by_size(size_rad_s: Array, error: Array, sigma: float) -> tuple[Array, Array]:
+    """Sizes of steps, and the residual's spread there beyond the noise's."""
+    n_bins = min(size_rad_s.size // _FEWEST_OF_SIZE, _SIZES)
+    if n_bins == 0:
+        return np.ones(_SIZES), np.zeros(_SIZES)
+    sizes, spreads = [], []
+    for rows in np.array_split(np.argsort(size_rad_s, kind="stable"), n_bins):
+        square = error[rows] ** 2
+        kept = float(np.mean(square[square <= np.quantile(square, 0.97)]))
+        sizes.append(float(np.mean(size_rad_s[rows])))
+        spreads.append(np.sqrt(max(_TRIMMED * kept - sigma**2, 0.0)))
+    missing = _SIZES - n_bins
+    return np.pad(sizes, (missing, 0), mode="edge"), np.pad(spreads, (missing, 0), mode="edge")
+
+
+def _at_edge(
+    stretches: Sequence[Stretch], residuals: Sequence[Array], masks: Sequence[Mask], flat: Noise
+) -> Array:
+    """Residual's spread where the dead zone ends, beyond the noise's elsewhere."""
+    rows = [mask & (s.lag > 0) for s, mask in zip(stretches, masks, strict=True)]
+    share = np.concatenate([farther_out(s)[r] for s, r in zip(stretches, rows, strict=True)])
+    square = np.concatenate([e[r] ** 2 for e, r in zip(residuals, rows, strict=True)])
+    usual = np.concatenate(
+        [flat.level_rad_s(s)[r] ** 2 for s, r in zip(stretches, rows, strict=True)]
+    )
+    nodes = np.array(STARTS)
+    ends = np.r_[0.0, 0.5 * (nodes[1:] + nodes[:-1]), 1.5 * nodes[-1]]
+    spreads = np.zeros(nodes.size)
+    for k, (low, high) in enumerate(pairwise(ends)):
+        near = (share > low) & (share <= high)
+        if np.count_nonzero(near) >= _FEWEST_STARTS:
+            kept = square[near] <= np.quantile(square[near], 0.98)
+            beyond = float(np.mean(square[near][kept])) - float(np.mean(usual[near][kept]))
+            spreads[k] = np.sqrt(max(beyond, 0.0))
+    return spreads
+
+
+def _returning(
+    stretches: Sequence[Stretch], residuals: Sequence[Array], masks: Sequence[Mask], flat: Noise
+) -> Array:
+    """Correlation of the residual's parts after the same jump, by lag; 1 where none repeats."""
+    found = np.ones(LAGS)
+    for k in range(LAGS):
+        pairs, alike, even = 0, 0.0, 0.0
+        for s, error, mask in zip(stretches, residuals, masks, strict=True):
+            rows = np.flatnonzero(mask & (s.lag == k) & (s.again > 1) & (s.step_rad_s != 0.0))
+            jumps = np.column_stack((s.settled_rad_s, s.step_rad_s))[rows]
+            _, same = np.unique(np.round(jumps, 6), axis=0, return_inverse=True)
+            unit = np.clip((error / flat.level_rad_s(s))[rows], -_FAR, _FAR)
+            count, total, square = (
+                np.bincount(same, w) for w in (np.ones(rows.size), unit, unit**2)
+            )
+            pairs += int(np.sum(count * (count - 1.0)))
+            alike += float(np.sum(total**2 - square))
+            even += float(np.sum((count - 1.0) * square))
+        if pairs >= _FEWEST_PAIRS:
+            found[k] = np.clip(alike / max(even, 1e-12), 0.0, 1.0)
+    return found
+
+
+def _colour(
+    stretches: Sequence[Stretch], residuals: Sequence[Array], masks: Sequence[Mask], flat: Noise
+) -> tuple[Array, float]:
+    """Autoregression of the standardised residual, its order by BIC."""
+    moments = np.zeros(_HIGHEST_ORDER + 1)
+    counts = np.zeros(_HIGHEST_ORDER + 1)
+    for stretch, residual, mask in zip(stretches, residuals, masks, strict=True):
+        unit = residual / flat.level_rad_s(stretch)
+        unit = np.where(mask, np.clip(unit, -_FAR, _FAR), 0.0)
+        for k in range(_HIGHEST_ORDER + 1):
+            pairs = mask[k:] & mask[: mask.size - k]
+            moments[k] += float(unit[k:] @ unit[: unit.size - k])
+            counts[k] += np.count_nonzero(pairs)
+    covariance = moments / np.maximum(counts, 1.0)
+    best, chosen = np.inf, (np.empty(0), 1.0)
+    for order in range(_HIGHEST_ORDER + 1):
+        ar = solve_toeplitz(covariance[:order], covariance[1 : order + 1]) if order else np.empty(0)
+        left = max(float(covariance[0] - ar @ covariance[1 : order + 1]), 1e-12)
+        score = counts[0] * np.log(left) + order * np.log(max(counts[0], 2.0))
+        if score < best:
+            best, chosen = score, (np.asarray(ar, dtype=np.float64), float(np.sqrt(left)))
+    return chosen
