@@ -11,10 +11,10 @@ from usmbench.diagnose.detectable import smallest_sizes
 from usmbench.diagnose.fitting import Fit
 from usmbench.diagnose.found import Found, verdict_on
 from usmbench.diagnose.gain import Gain, held_out_gain
+from usmbench.diagnose.intervals import intervals
 from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.naming import Ranked, alternatives
 from usmbench.diagnose.problem import Problem
-from usmbench.diagnose.refining import intervals
 from usmbench.diagnose.remainder import describe
 from usmbench.diagnose.result import Candidate, Diagnosis, Estimate, NamedCause, Trace, Verdict
 from usmbench.diagnose.search import search

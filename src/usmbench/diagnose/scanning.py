@@ -1,7 +1,7 @@
 """Fit one effect to the whitened residual: a scan of what shapes it, its sizes to first order."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import product
 
 import numpy as np
@@ -14,9 +14,11 @@ from usmbench.model.extended import Applied
 
 Array = NDArray[np.float64]
 
-_ZOOM_ROUNDS = 2
+_ZOOM_ROUNDS, _JAGGED_ROUNDS = 2, 5
 _ZOOM_POINTS = 7
 _AT_ONCE = 64  # columns carried together
+
+Rate = Callable[[float, Array], float]  # what a drop and its unit column are worth
 
 
 def fit_effect(problem: Problem, effect: Effect, given: Sequence[Applied] = ()) -> Fit:
@@ -37,7 +39,8 @@ def fit_effect(problem: Problem, effect: Effect, given: Sequence[Applied] = ()) 
     if scanned:
         values, drop, roughness = search.scan(scanned, sized)
     else:
-        ((values, drop, _),), roughness = search.best([{}], sized), 0.0
+        ((values, drop, _),) = search.best([{}], sized)
+        roughness = 0.0
     return Fit((*given, Applied(effect, values)), drop, roughness)
 
 
@@ -57,11 +60,26 @@ def sharpen(problem: Problem, fit: Fit, given: Sequence[Applied] = ()) -> Fit:
     scanned = [p for p in last.effect.parameters if p.scanned]
     sized = [p for p in last.effect.parameters if not p.scanned]
     search = _Search(problem, last.effect, tuple(given))
-    grids = last.effect.grid([s.context for s in problem.stretches]) if scanned else {}
+    axes = search.axes(scanned)
     best = (dict(last.values), fit.statistic)
-    for p in scanned:
-        best = search.zoomed(best, p, np.clip(grids[p.name], p.low, p.high), scanned, sized)
+    for p, axis in zip(scanned, axes, strict=True):
+        best = search.zoomed(best, p, axis, scanned, sized, _as_is)
     return Fit((*given, Applied(last.effect, best[0])), best[1], fit.roughness)
+
+
+def _as_is(drop: float, column: Array) -> float:
+    """Rate values by the deviance they take away."""
+    return drop
+
+
+def _matched(drop: float, column: Array) -> float:
+    """Rate values by what a free size of their change would take away.
+
+    Between the right value and its neighbours on a grid a jagged change does more harm than good.
+    """
+    square = float(column @ column)
+    along = max(0.5 * (drop + square), 0.0)
+    return along**2 / square if square > 0.0 else 0.0
 
 
 class _Search:
@@ -122,17 +140,18 @@ class _Search:
         self, scanned: Sequence[Parameter], sized: Sequence[Parameter]
     ) -> tuple[dict[str, float], float, float]:
         """Try a grid of shapes; return the best, and the path that the unit column turns along."""
-        grids = self._effect.grid([s.context for s in self._problem.stretches])
-        axes = [np.clip(grids[p.name], p.low, p.high) for p in scanned]
         shapes = [
             {p.name: float(x) for p, x in zip(scanned, point, strict=True)}
-            for point in product(*axes)
+            for point in product(*self.axes(scanned))
         ]
         best: tuple[dict[str, float], float] | None = None
+        near: tuple[dict[str, float], float] = ({}, 0.0)
         turned, before = 0.0, None
         for values, drop, column in self.best(shapes, sized):
             if best is None or drop > best[1]:
                 best = (values, drop)
+            if self._effect.jagged:
+                near = max(near, (values, _matched(drop, column)), key=lambda found: found[1])
             size = float(np.linalg.norm(column))
             if size > 1e-9:
                 unit = column / size
@@ -141,7 +160,23 @@ class _Search:
                 before = unit
         if best is None:
             raise ValueError(f"{self._effect.name}: the grid of its scanned parameters is empty")
+        if near[1] > 0.0:
+            best = max(best, self._caught(near, scanned), key=lambda found: found[1])
         return *best, turned
+
+    def axes(self, scanned: Sequence[Parameter]) -> list[Array]:
+        """Return the values at which each parameter is tried first."""
+        grids = self._effect.grid([s.context for s in self._problem.stretches])
+        return [np.clip(grids[p.name], p.low, p.high) for p in scanned]
+
+    def _caught(
+        self, near: tuple[dict[str, float], float], scanned: Sequence[Parameter]
+    ) -> tuple[dict[str, float], float]:
+        """Close in on what the scan of a jagged effect came near; return the drop there."""
+        for p, axis in zip(scanned, self.axes(scanned), strict=True):
+            near = self.zoomed(near, p, axis, scanned, (), _matched)
+        ((values, drop, _),) = self.best([near[0]], ())
+        return values, drop
 
     def zoomed(
         self,
@@ -150,15 +185,17 @@ class _Search:
         axis: Array,
         scanned: Sequence[Parameter],
         sized: Sequence[Parameter],
+        rate: Rate,
     ) -> tuple[dict[str, float], float]:
         """Try ever finer values of one scanned parameter, the others held."""
         near = axis
-        for _ in range(_ZOOM_ROUNDS):
+        for _ in range(_JAGGED_ROUNDS if self._effect.jagged else _ZOOM_ROUNDS):
             k = int(np.argmin(np.abs(near - best[0][parameter.name])))
             near = np.linspace(near[max(k - 1, 0)], near[min(k + 1, near.size - 1)], _ZOOM_POINTS)
             held = {p.name: best[0][p.name] for p in scanned}
             shapes = [{**held, parameter.name: float(value)} for value in near]
-            for values, drop, _ in self.best(shapes, sized):
-                if drop > best[1]:
-                    best = (values, drop)
+            for values, drop, column in self.best(shapes, sized):
+                worth = rate(drop, column)
+                if worth > best[1]:
+                    best = (values, worth)
         return best

@@ -116,6 +116,7 @@ class Effect(ABC):
     parameters: ClassVar[tuple[Parameter, ...]]
     needs: ClassVar[tuple[str, ...]] = ()
     by_chance: ClassVar[bool] = False  # the windows it acts on keep a scatter of its own
+    jagged: ClassVar[bool] = False  # values a little apart change other windows; none has a size
     sporadic: ClassVar[bool] = False  # it acts on single windows; see `SporadicEffect`
 
     @abstractmethod

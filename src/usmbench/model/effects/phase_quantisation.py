@@ -42,6 +42,7 @@ class RoundedPhase(Effect):
     meaning = _MEANING
     mend = _MEND
     stage = "command"
+    jagged = True
     parameters = (Parameter("step_deg", "deg", 0.0, 0.0, _COARSEST_DEG, 1.0, scanned=True),)
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
@@ -61,8 +62,8 @@ class RoundedPhase(Effect):
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
         """Return usual steps; where there are many phases, all steps that these tell apart.
 
-        Between two neighbours no phase then moves by more than a step. A staircase of few levels
-        could be bent into any shape by a free choice of the step.
+        Between two neighbours no phase then moves by more than half a step. A staircase of few
+        levels could be bent into any shape by a free choice of the step.
 
         Parameters
         ----------
@@ -72,7 +73,7 @@ class RoundedPhase(Effect):
         if not _many_phases(contexts):
             return {"step_deg": np.array(_USUAL_DEG)}
         farthest_deg = max(float(np.max(np.abs(c.phase_deg))) for c in contexts)
-        even = farthest_deg / np.arange(1.0, farthest_deg / _FINEST_DEG)
+        even = farthest_deg / np.arange(1.0, farthest_deg / _FINEST_DEG, 0.5)
         return {"step_deg": np.unique([*_USUAL_DEG, *even[even <= _COARSEST_DEG]])}
 
     def habitual(self, contexts: Sequence[Context]) -> bool:

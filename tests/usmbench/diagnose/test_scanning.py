@@ -1,0 +1,36 @@
+"""A step of the phase that lies between two of the grid's is found, and told to the last window."""
+
+import numpy as np
+import pytest
+
+from usmbench.diagnose.pipeline import diagnose
+from usmbench.model.effects.base import Context
+from usmbench.model.effects.first_order import first_order
+from usmbench.model.effects.registry import find_effect
+from usmbench.model.extended import Applied, extended_run
+from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
+from usmbench.runs.record import Record
+
+WINDOW_S, NOISE_RAD_S = 0.01, 0.02
+CURVE = StaticCurve(
+    np.array([-90.0, -60, -30, -15, -8, -3, 3, 8, 15, 30, 60, 90]),
+    np.array([-10.3, -10.1, -8, 0, 0, 0, 0, 0, 0, 8, 10.2, 10.4]),
+)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_any_step_of_the_phase_is_found_among_random_phases(seed: int) -> None:
+    draw = np.random.default_rng([seed, 8])
+    step_deg, form = float(draw.uniform(0.8, 4.0)), ("rounded", "cut off")[seed % 2]
+    point = OperatingPoint(None, None, CURVE, (-90.0, 90.0), (-15.0, 15.0), NOISE_RAD_S)
+    model = HammersteinModel(first_order(0.0035, 0.0, WINDOW_S), (point,), "fast")
+    phase_deg = np.repeat(draw.uniform(-88.0, 88.0, 300), 5)
+    t_s = WINDOW_S * np.arange(1.0, phase_deg.size + 1.0)
+    context = Context(t_s, WINDOW_S, phase_deg, CURVE.speed_rad_s, model.linear)
+    hidden = Applied(find_effect("phase_quantisation", form), {"step_deg": step_deg})
+    noise_rad_s = NOISE_RAD_S * draw.standard_normal(t_s.size)
+    speed_rad_s = extended_run([hidden], context).speed_rad_s + noise_rad_s
+    record = Record("run", t_s, phase_deg, speed_rad_s, np.full(t_s.size, WINDOW_S))
+    (cause,) = diagnose([record], model).causes
+    assert (cause.name, cause.form) == ("phase_quantisation", form)
+    assert cause.parameters[0].value == pytest.approx(step_deg, rel=1e-3)
