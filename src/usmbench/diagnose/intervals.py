@@ -26,8 +26,8 @@ def intervals(problem: Problem, fit: Fit) -> list[dict[str, tuple[float, float]]
     fit
         A refined fit.
     """
-    joint = Joint(problem, [a.effect for a in fit.effects])
-    theta = joint.vector(fit.effects)
+    joint = Joint(problem, fit.effects)
+    theta = joint.start
     if theta.size == 0:
         return [{} for _ in fit.effects]
     half = _reach(joint.jacobian(theta), _EDGE_95)

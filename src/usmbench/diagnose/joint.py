@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.problem import Problem
-from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
 
 Array = NDArray[np.float64]
@@ -21,13 +20,14 @@ class Joint:
     ----------
     problem
         The problem.
-    effects
-        The effects.
+    applied
+        The effects, with the values to start from.
     """
 
-    def __init__(self, problem: Problem, effects: Sequence[Effect]):
-        self._problem, self._effects = problem, effects
-        self.parameters = [p for e in effects for p in e.parameters]
+    def __init__(self, problem: Problem, applied: Sequence[Applied]):
+        self._problem, self._effects = problem, [a.effect for a in applied]
+        self.parameters = [p for e in self._effects for p in e.parameters]
+        self.start = self.vector(applied)
 
     def vector(self, applied: Sequence[Applied]) -> Array:
         """Return the values of effects.

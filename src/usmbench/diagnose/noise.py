@@ -129,7 +129,7 @@ def bend_rad_s(stretch: Stretch) -> Array:
 
 
 def farther_out(stretch: Stretch) -> Array:
-    """Return the speed half a degree farther from 0, as a share of the stretch's highest.
+    """Return the speed half a degree farther from 0, as a share of the stretch's highest, (N,).
 
     Parameters
     ----------

@@ -127,8 +127,7 @@ def _returning(
         pairs, alike, even = 0, 0.0, 0.0
         for s, error, mask in zip(stretches, residuals, masks, strict=True):
             rows = np.flatnonzero(mask & (s.lag == k) & (s.again > 1) & (s.step_rad_s != 0.0))
-            jumps = np.column_stack((s.settled_rad_s, s.step_rad_s))[rows]
-            _, same = np.unique(np.round(jumps, 6), axis=0, return_inverse=True)
+            same = s.jump[rows]
             unit = np.clip((error / flat.level_rad_s(s))[rows], -_FAR, _FAR)
             count, total, square = (
                 np.bincount(same, w) for w in (np.ones(rows.size), unit, unit**2)

@@ -23,8 +23,8 @@ def refine(problem: Problem, fit: Fit) -> Fit:
     fit
         Where to start.
     """
-    joint = Joint(problem, [a.effect for a in fit.effects])
-    theta = joint.vector(fit.effects)
+    joint = Joint(problem, fit.effects)
+    theta = joint.start
     here = joint.left(theta)
     dev, damping = float(here @ here), 1e-3
     for _ in range(_STEPS if theta.size else 0):
@@ -59,7 +59,7 @@ def refine_widely(problem: Problem, fit: Fit) -> Fit:
         Where to start.
     """
     best = refine(problem, fit)
-    joint = Joint(problem, [a.effect for a in fit.effects])
+    joint = Joint(problem, fit.effects)
     null = np.array([p.null for p in joint.parameters])
     for _ in range(_LEAPS):
         theta = joint.vector(best.effects)

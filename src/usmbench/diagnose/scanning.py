@@ -39,8 +39,7 @@ def fit_effect(problem: Problem, effect: Effect, given: Sequence[Applied] = ()) 
     if scanned:
         values, drop, roughness = search.scan(scanned, sized)
     else:
-        ((values, drop, _),) = search.best([{}], sized)
-        roughness = 0.0
+        ((values, drop, _),), roughness = search.best([{}], sized), 0.0
     return Fit((*given, Applied(effect, values)), drop, roughness)
 
 

@@ -128,7 +128,8 @@ def departures(stretch: Stretch) -> Array:
     hold the rotor back more or less: most near standstill, where the wave is a standing one, not at
     all at the highest speed, and at each operating point by another amount, since it is the
     vibration that frees the rotor. A gain that wanders shows the latter, too: the rotor follows the
-    crests but for the slip.
+    crests but for the slip, so that the gain is off by another share at the highest speed and at
+    another frequency or torque. And a rotor that sticks may come free at a larger phase.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A step of the phase that lies between two of the grid's is found, and told to the last window."""
+"""Steps of the phase that a scan would miss."""
 
 import numpy as np
 import pytest
@@ -18,19 +18,23 @@ CURVE = StaticCurve(
 )
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_any_step_of_the_phase_is_found_among_random_phases(seed: int) -> None:
+@pytest.mark.parametrize("seed", range(6))
+def test_a_step_between_two_of_the_grid_is_found_among_random_phases(seed: int) -> None:
     draw = np.random.default_rng([seed, 8])
-    step_deg, form = float(draw.uniform(0.8, 4.0)), ("rounded", "cut off")[seed % 2]
+    effect = find_effect("phase_quantisation", ("rounded", "cut off")[seed % 2])
     point = OperatingPoint(None, None, CURVE, (-90.0, 90.0), (-15.0, 15.0), NOISE_RAD_S)
     model = HammersteinModel(first_order(0.0035, 0.0, WINDOW_S), (point,), "fast")
     phase_deg = np.repeat(draw.uniform(-88.0, 88.0, 300), 5)
     t_s = WINDOW_S * np.arange(1.0, phase_deg.size + 1.0)
     context = Context(t_s, WINDOW_S, phase_deg, CURVE.speed_rad_s, model.linear)
-    hidden = Applied(find_effect("phase_quantisation", form), {"step_deg": step_deg})
+    # As far from both neighbours as a step can be.
+    grid_deg = effect.grid([context])["step_deg"]
+    k = int(draw.choice(np.flatnonzero((grid_deg > 0.8) & (grid_deg < 6.0))))
+    step_deg = float(0.5 * (grid_deg[k] + grid_deg[k + 1]))
+    hidden = Applied(effect, {"step_deg": step_deg})
     noise_rad_s = NOISE_RAD_S * draw.standard_normal(t_s.size)
     speed_rad_s = extended_run([hidden], context).speed_rad_s + noise_rad_s
     record = Record("run", t_s, phase_deg, speed_rad_s, np.full(t_s.size, WINDOW_S))
     (cause,) = diagnose([record], model).causes
-    assert (cause.name, cause.form) == ("phase_quantisation", form)
+    assert (cause.name, cause.form) == ("phase_quantisation", effect.form)
     assert cause.parameters[0].value == pytest.approx(step_deg, rel=1e-3)
