@@ -12,15 +12,8 @@ from numpy.typing import NDArray
 
 from benchmarks.campaign_draws import Draw
 from benchmarks.campaign_outcome import Outcome
-from benchmarks.campaign_runs import FREQUENCIES_HZ, PLANS, Excited, Measured, Motor
-from benchmarks.campaign_sizes import (
-    creeping,
-    not_far_out,
-    shown_again,
-    spread_rad_s,
-    strength_of,
-    without_gain,
-)
+from benchmarks.campaign_runs import FREQUENCIES_HZ, PLANS, Excited, Measured, Motor, TurnedDisc
+from benchmarks.campaign_sizes import noise_of, not_far_out, square_of, strength_of, well_counted
 from hil_sim.defects import Defect
 from usmbench.cli.main import main as usmbench
 from usmbench.diagnose.gain import gain_of_blocks
@@ -39,8 +32,9 @@ REFERENCE_S: Final = 40.0
 SMALL_REFERENCE_S: Final = 12.0
 _BESIDE_HZ: Final = (-25.0, 0.0, 25.0)  # near enough for the slope, far enough for the noise
 _FRESH: Final = 5000
-_HEALTHY: Final = 700
-_LARGE: Final = 2.0
+_DAYS: Final = (700, 701, 702)  # on which an effect is measured
+_BY_CHANCE: Final = {"slow_input_filter", "spikes"}
+_WIDER: Final = 0.05  # enough that it moves more than single counts
 _FRESH_EVERY: Final = 4  # a fresh run costs as much as the draw itself
 
 
@@ -68,26 +62,28 @@ class MotorBench:
         ]
         _command("identify", *references, "--out", self.model)
 
-    def _quiet(
-        self,
-        excited: Excited,
-        run_seed: int,
-        defects: tuple[Defect, ...] = (),
-        clamp_error: float = 0.0,
-    ) -> Array:
-        """Speed without noise and wander."""
+    def effects_rad_s(self, excited: Excited, defects: tuple[Defect, ...]) -> Array:
+        """Return what defects change in the speed on some days, the noise the same, (D, N)."""
+        return self._speeds_rad_s(excited, defects) - self._speeds_rad_s(excited)
+
+    def _speeds_rad_s(self, excited: Excited, defects: tuple[Defect, ...] = ()) -> Array:
+        """Return the speed on those days, shape (D, N)."""
+        # Where the shaft creeps, a disc that sits alike would put the same count into the same
+        # window every day.
+        turned = np.random.default_rng([self._motor.seed, 9]).uniform(size=len(_DAYS))
+        days = zip(_DAYS, turned.tolist(), strict=True)
+        runs = [self.measured(excited, day, (*defects, TurnedDisc(u))) for day, u in days]
+        return np.stack([read_run(run).speed_rad_s for run in runs])
+
+    def _quiet(self, excited: Excited, clamp_error: float = 0.0) -> Array:
+        """Speed of the healthy motor without noise and wander."""
         motor = replace(self._motor, quiet=True, wander=0.0, clamp_error=clamp_error)
-        return read_run(Measured(motor, excited, run_seed, defects).folder(self._runs)).speed_rad_s
+        return read_run(Measured(motor, excited, 0).folder(self._runs)).speed_rad_s
 
-    def _wanders(self, excited: Excited, quiet: Array) -> Array:
+    def _wanders(self, excited: Excited) -> Array:
         """Return what a standard deviation of the gain and of the dead zone change, (N, 2)."""
-        wander = self._motor.wander
-        wider = self._quiet(excited, 0, clamp_error=wander) - self._quiet(excited, 0)
-        return np.column_stack((wander * quiet, wider))
-
-    def effect_rad_s(self, excited: Excited, run_seed: int, defects: tuple[Defect, ...]) -> Array:
-        """Return what defects change in the speed, free of noise, shape (N,)."""
-        return self._quiet(excited, run_seed, defects) - self._quiet(excited, 0)
+        quiet, wider = self._quiet(excited), self._quiet(excited, _WIDER)
+        return self._motor.wander * np.column_stack((quiet, (wider - quiet) / _WIDER))
 
     def diagnosed(self, draw: Draw) -> Outcome:
         """Hide, measure, diagnose."""
@@ -139,30 +135,24 @@ class MotorBench:
 
     def _compare(self, outcome: Outcome, record: Record, draw: Draw) -> None:
         """Hold what is hidden against the noise."""
-        excited, quiet = draw.excited, self._quiet(draw.excited, draw.number)
-        healthy = read_run(self.measured(excited, _HEALTHY)).speed_rad_s
-        even, again = without_gain(healthy - quiet, quiet), record.speed_rad_s - healthy
-        _, inside = _error(self.model, record)
-        regular = np.abs(quiet - self._quiet(excited, 0)) < spread_rad_s(even)
-        steady = inside & regular & not_far_out(even)
+        excited, defects = draw.excited, draw.hidden.made
+        healthy, hidden = self._speeds_rad_s(excited), self._speeds_rad_s(excited, defects)
+        noise, (_, inside) = noise_of(healthy), _error(self.model, record)
+        rows = inside & not_far_out(np.max(np.abs(noise), axis=0))
+        noise_rad_s = float(np.sqrt(np.mean(noise[:, rows] ** 2)))
+        if not _strikes(defects):
+            rows &= well_counted(np.concatenate([healthy, hidden]))
+        wanders = self._wanders(excited)[rows]
 
-        defects = draw.hidden.made
-        hidden = self._quiet(excited, draw.number, defects)
-        effect = hidden - quiet
-        steady &= ~creeping(quiet) & ~creeping(hidden)
-        sure = steady & shown_again(effect, again, _LARGE * spread_rad_s(even))
+        def strength(parts: tuple[Defect, ...]) -> float:
+            effects = self.effects_rad_s(excited, parts)[:, rows]
+            return strength_of(effects, wanders, noise_rad_s, by_chance=_strikes(parts))
 
-        noise_rad_s = float(np.sqrt(np.mean(even[sure] ** 2)))
-        wanders = self._wanders(excited, quiet)[sure]
-
-        def strength(effect: Array) -> float:
-            return strength_of(effect[sure], wanders, noise_rad_s)
-
-        outcome.strength = outcome.weakest = strength(effect)
-        outcome.rms = float(np.sqrt(np.mean(effect[sure] ** 2))) / noise_rad_s
+        outcome.strength = outcome.weakest = strength(defects)
         if len(defects) > 1:
-            parts = [self._quiet(excited, draw.number, (defect,)) - quiet for defect in defects]
-            outcome.weakest = min(map(strength, parts))
+            outcome.weakest = min(strength((defect,)) for defect in defects)
+        square = square_of((hidden - healthy)[:, inside], by_chance=_strikes(defects))
+        outcome.rms = float(np.sqrt(square / np.count_nonzero(inside))) / noise_rad_s
 
     def _on_another_run(self, outcome: Outcome, draw: Draw) -> None:
         """Score the extended model, and the plain one with the true effect, on a run unseen."""
@@ -171,14 +161,20 @@ class MotorBench:
         record, model = read_run(self.measured(excited, day, defects)), read_model(self.model)
         plain, inside = _error(self.model, record)
         better, _ = _error(self._extended, record)
-        hidden = self._quiet(excited, day, defects)
+        speeds, healthy = self._speeds_rad_s(excited, defects), self._speeds_rad_s(excited)
+        hidden = speeds.mean(axis=0)
         ((stretch,), _), noise = cut_runs([record], model, ()), knowledge_of(model).noise
         assert noise is not None
         rows = inside & not_far_out(record.speed_rad_s - hidden)
-        truly = plain - (hidden - self._quiet(excited, day))
+        truly = plain - (hidden - healthy.mean(axis=0))
         floor = noise.level_rad_s(stretch)[rows]
         outcome.fresh_gain = _gain(plain[rows], better[rows], floor)
         outcome.oracle_gain = _gain(plain[rows], truly[rows], floor)
+
+
+def _strikes(defects: tuple[Defect, ...]) -> bool:
+    """Whether any of these acts by chance."""
+    return any(defect.mechanism in _BY_CHANCE for defect in defects)
 
 
 def _healthy(reference_s: float) -> Iterator[Excited]:

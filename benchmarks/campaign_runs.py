@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from hil_sim.defects import Defect, defective_plant
 from hil_sim.defects.defect import wandering
 from hil_sim.defects.paths import WiredPlant
 from hil_sim.plant import PlantParameters
+from hil_sim.plant.disc import DiscError
 from hil_sim.running import RunningTestbed
 from usmbench.cli.bench_session import Bench, open_bench
 from usmbench.cli.simulated_bench import simulated_settings
@@ -22,6 +24,7 @@ from usmbench.settings.plan import Plan
 from usmbench.settings.plan_file import parse_plan
 from usmbench.settings.yaml_source import parse_source
 
+_COUNT_RAD = 2.0 * np.pi / 2000.0
 PLANS = ("staircase", "telegraph", "multisine")
 FREQUENCY_HZ = 41_000.0
 FREQUENCIES_HZ = (40_050.0, FREQUENCY_HZ)  # either side of the resonance
@@ -173,6 +176,19 @@ class Measured:
                 sweep_new(bench, self.excited.plan(), unfinished)
             unfinished.rename(folder)
         return folder
+
+
+class TurnedDisc(Defect):
+    """No defect: the disc sits on the shaft turned by `size` counts."""
+
+    mechanism: ClassVar[str] = "turned_disc"
+    cause: ClassVar[str] = ""
+    unit: ClassVar[str] = "counts"
+    typical: ClassVar[float] = 0.5
+
+    def disc_error(self) -> DiscError:
+        """Return the pattern's angle beyond the shaft's."""
+        return lambda angle_rad: np.full_like(angle_rad, self.size * _COUNT_RAD)
 
 
 @contextmanager

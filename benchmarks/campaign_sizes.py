@@ -1,4 +1,4 @@
-"""How large a hidden effect is, and in which windows that can be said."""
+"""How large a hidden effect is."""
 
 from typing import Final
 
@@ -12,26 +12,23 @@ _HANDFUL: Final = 10  # windows
 _COUNT_RAD_S: Final = 2.0 * np.pi / 2000.0 / 0.01  # one count in a window
 
 
-def without_gain(error: Array, quiet: Array) -> Array:
-    """Take the wander of the gain out of a healthy run's error.
+def noise_of(healthy: Array) -> Array:
+    """Return the noise of runs that ought to be the same, without the wander of their gain.
 
     Parameters
     ----------
-    error, quiet
-        The error, and the speed free of noise, in rad/s, shape (N,).
+    healthy
+        The speeds in rad/s, shape (D, N).
+
+    Returns
+    -------
+    noise
+        As large as that of one run, shape (D, N).
     """
-    return error - float(error @ quiet) / float(quiet @ quiet) * quiet
-
-
-def spread_rad_s(error: Array) -> float:
-    """Return the spread of the bulk of an error.
-
-    Parameters
-    ----------
-    error
-        The error in rad/s, shape (N,).
-    """
-    return 1.4826 * float(np.median(np.abs(error)))
+    n_days, mean = len(healthy), healthy.mean(axis=0)
+    apart = (healthy - mean) * np.sqrt(n_days / (n_days - 1.0))
+    noise: Array = apart - np.outer(apart @ mean, mean) / (mean @ mean)
+    return noise
 
 
 def not_far_out(error: Array) -> NDArray[np.bool_]:
@@ -42,43 +39,50 @@ def not_far_out(error: Array) -> NDArray[np.bool_]:
     error
         The error in rad/s, shape (N,).
     """
-    near: NDArray[np.bool_] = np.abs(error) < _FAR * spread_rad_s(error)
+    spread_rad_s = 1.4826 * float(np.median(np.abs(error)))
+    near: NDArray[np.bool_] = np.abs(error) < _FAR * spread_rad_s
     return near
 
 
-def creeping(speed_rad_s: Array) -> NDArray[np.bool_]:
-    """Return the windows in which the shaft turns by less than two counts, and not by none.
+def well_counted(speeds_rad_s: Array) -> NDArray[np.bool_]:
+    """Return the windows in which the shaft goes on standing, or turning by two counts and more.
 
-    What a window reports then is which of its neighbours a count falls into.
-
-    Parameters
-    ----------
-    speed_rad_s
-        Speed free of noise, shape (N,).
-    """
-    size = np.abs(speed_rad_s)
-    creeps: NDArray[np.bool_] = (size > 0.0) & (size < 2.0 * _COUNT_RAD_S)
-    return creeps
-
-
-def shown_again(effect: Array, again: Array, far_rad_s: float) -> NDArray[np.bool_]:
-    """Return the windows in which a second pair of runs shows as large an effect, if it is large.
-
-    Whether the motor starts in a window or in the next, and on which side of a window's end an
-    edge falls where it hardly turns, may hang on nothing at all.
+    In others it hangs on the angle of the disc alone which of two windows a count falls into.
 
     Parameters
     ----------
-    effect, again
-        What two pairs of runs differ by, in rad/s, shape (N,).
-    far_rad_s
-        What is large.
+    speeds_rad_s
+        The speeds of some runs, shape (D, N).
     """
-    near = (effect * again > 0.0) & (np.abs(again) > 0.5 * np.abs(effect))
-    return (np.abs(effect) < far_rad_s) | near
+    size = np.abs(speeds_rad_s)
+    stands, turns = np.all(size == 0.0, axis=0), np.all(size > 2.0 * _COUNT_RAD_S, axis=0)
+    well: NDArray[np.bool_] = stands | turns
+    well[1:] = (stands[1:] & stands[:-1]) | (turns[1:] & turns[:-1])
+    return well
 
 
-def strength_of(effect: Array, wanders: Array, noise_rad_s: float) -> float:
+def square_of(seen: Array, *, by_chance: bool = False) -> float:
+    """Return the square of what several sightings show: the mean of eᵢ·eⱼ over all i ≠ j.
+
+    What is another each day is left out.
+
+    Parameters
+    ----------
+    seen
+        Shape (D, N).
+    by_chance
+        What is seen strikes other windows each day, and does not move the shaft: the mean of eᵢ·eᵢ.
+    """
+    alike = seen @ seen.T
+    own = float(np.trace(alike))
+    if by_chance:
+        return own / len(seen)
+    return max(float(np.sum(alike)) - own, 0.0) / (len(seen) * (len(seen) - 1))
+
+
+def strength_of(
+    effects: Array, wanders: Array, noise_rad_s: float, *, by_chance: bool = False
+) -> float:
     """Root of an effect's deviance a window: its rms over the noise's, where nothing wanders.
 
     Of an effect that looks like another gain, no run tells more than how many wanders it amounts
@@ -86,15 +90,17 @@ def strength_of(effect: Array, wanders: Array, noise_rad_s: float) -> float:
 
     Parameters
     ----------
-    effect
-        What is hidden, in rad/s, shape (N,).
+    effects
+        What is hidden, in rad/s, as some days show it, shape (D, N).
     wanders
         What a standard deviation of all that wanders from run to run changes, shape (N, K).
     noise_rad_s
         Root mean square of the noise.
+    by_chance
+        See `square_of`.
     """
-    usual = np.argsort(np.abs(effect))[:-_HANDFUL]
-    hidden, ways = effect[usual] / noise_rad_s, wanders[usual] / noise_rad_s
+    usual = np.argsort(np.mean(effects**2, axis=0))[:-_HANDFUL]
+    hidden, ways = effects[:, usual].T / noise_rad_s, wanders[usual] / noise_rad_s
     beta = np.linalg.solve(ways.T @ ways + np.eye(ways.shape[1]), ways.T @ hidden)
-    deviance = float(np.sum((hidden - ways @ beta) ** 2) + beta @ beta)
-    return float(np.sqrt(deviance / usual.size))
+    whole = np.concatenate([hidden - ways @ beta, beta]).T
+    return float(np.sqrt(square_of(whole, by_chance=by_chance) / usual.size))

@@ -2,10 +2,11 @@
 
     python benchmarks/naming_power.py [--repeats 6] [--motor 3] [--small]
 
-The likelihood-ratio test knows what the mechanism does to the speed at every window (from runs
-without noise) and only has to find its size, with the model's uncertainty and the noise that
-diagnose works with. It reaches 90 % power at 5 % false alarms where the whitened effect has a
-length of 1.96 + 1.28. Diagnose is then shown runs with the mechanism at multiples of that size.
+The likelihood-ratio test knows what the mechanism does to the speed at every window (from pairs of
+runs with and without it, the noise the same) and only has to find its size, with the model's
+uncertainty and the noise that diagnose works with. It reaches 90 % power at 5 % false alarms where
+the whitened effect has a length of 1.96 + 1.28. Diagnose is then shown runs with the mechanism at
+multiples of that size.
 """
 
 import argparse
@@ -21,6 +22,7 @@ from scipy.stats import norm
 
 from benchmarks.campaign_bench import SMALL_REFERENCE_S, MotorBench
 from benchmarks.campaign_runs import Excited, Motor
+from benchmarks.campaign_sizes import square_of
 from benchmarks.campaign_tables import share
 from hil_sim.defects import CATALOGUE
 from usmbench.diagnose.knowledge import knowledge_of
@@ -69,20 +71,18 @@ class Power:
 
     def told_size(self, mechanism: str) -> float:
         """Return the size at which the test that is told the form has a power of 90 %."""
-        # From an effect some times as large: a small one drowns in the counts that a change as
-        # small as one likes moves from one window to the next. Not all grow with their size alike.
+        # From an effect some times as large, so that three days show its size well enough. Not all
+        # grow with their size alike.
         size = CATALOGUE[mechanism].typical
         for _ in range(_ROUNDS):
             size *= _LARGE * _LENGTH / self._length(mechanism, _LARGE * size)
         return size
 
     def _length(self, mechanism: str, size: float) -> float:
-        effect = self._bench.effect_rad_s(self._excited, 0, (CATALOGUE[mechanism](size),))
-        parts = [
-            effect[np.searchsorted(self._record.t_s, stretch.context.t_s)]
-            for stretch in self._stretches
-        ]
-        return float(np.linalg.norm(self._problem.carried(parts))) / self._spread
+        effects = self._bench.effects_rad_s(self._excited, (CATALOGUE[mechanism](size),))
+        rows = [np.searchsorted(self._record.t_s, s.context.t_s) for s in self._stretches]
+        seen = [self._problem.carried([effect[k] for k in rows]) for effect in effects]
+        return float(np.sqrt(square_of(np.stack(seen)))) / self._spread
 
     def named(self, mechanism: str, size: float, repeats: int) -> int:
         """Return in how many runs the cause of the mechanism comes out first."""

@@ -5,12 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from benchmarks.campaign_bench import MotorBench
 from benchmarks.campaign_draws import GROUPS, Choice, Draw, Hidden, draws, hide, motor_of
 from benchmarks.campaign_outcome import Outcome
 from benchmarks.campaign_runs import Excited, Measured, Motor
-from benchmarks.campaign_sizes import creeping, strength_of
+from benchmarks.campaign_sizes import noise_of, square_of, strength_of, well_counted
 from benchmarks.campaign_tables import report, share, wrong_ones
 from hil_sim.defects import CATALOGUE
 from usmbench.runs.reader import read_run
@@ -42,17 +43,39 @@ def test_a_large_scale_error_is_named_with_its_size_and_gain(motor_bench: MotorB
 def test_the_size_of_an_effect_is_what_no_wander_explains_and_no_handful_of_windows() -> None:
     speed, other = 5.0 * np.random.default_rng(2).standard_normal((2, 4000))
     steady, wander = np.zeros((4000, 1)), 0.01 * speed[:, None]
-    assert strength_of(0.01 * other, steady, 0.05) == pytest.approx(1.0, rel=0.1)
-    assert strength_of(0.01 * other, wander, 0.05) == pytest.approx(1.0, rel=0.1)
-    assert strength_of(0.01 * speed, steady, 0.05) == pytest.approx(1.0, rel=0.1)
-    assert strength_of(0.01 * speed, wander, 0.05) == pytest.approx(4000**-0.5, rel=0.1)
-    assert strength_of(np.r_[np.full(8, 100.0), np.zeros(3992)], steady, 0.05) == 0.0
+
+    def strength(effect: NDArray[np.float64], wanders: NDArray[np.float64]) -> float:
+        return strength_of(np.stack([effect, effect]), wanders, 0.05)
+
+    assert strength(0.01 * other, steady) == pytest.approx(1.0, rel=0.1)
+    assert strength(0.01 * other, wander) == pytest.approx(1.0, rel=0.1)
+    assert strength(0.01 * speed, steady) == pytest.approx(1.0, rel=0.1)
+    assert strength(0.01 * speed, wander) == pytest.approx(4000**-0.5, rel=0.1)
+    assert strength(np.r_[np.full(8, 100.0), np.zeros(3992)], steady) == 0.0
 
 
-def test_a_shaft_creeps_where_counts_are_few() -> None:
+def test_a_count_falls_into_a_window_for_sure_where_the_shaft_stands_on_or_turns_on() -> None:
     count_rad_s = 2.0 * np.pi / 2000.0 / 0.01
-    speeds = count_rad_s * np.array([0.0, 0.5, -1.0, 1.9, -2.1, 30.0])
-    assert creeping(speeds).tolist() == [False, True, True, True, False, False]
+    speed = count_rad_s * np.array([0.0, 0.0, 0.5, 3.0, 3.0, -3.0, 1.9, 0.0, 0.0])
+    well = [True, True, False, False, True, True, False, False, True]
+    assert well_counted(speed[None]).tolist() == well
+    creeps = np.r_[speed[:-1], count_rad_s]
+    assert well_counted(np.stack([speed, creeps])).tolist() == [*well[:-1], False]
+
+
+def test_what_another_day_does_not_show_counts_only_where_chance_is_the_cause() -> None:
+    rng = np.random.default_rng(3)
+    effect, counts = rng.standard_normal(5000), rng.standard_normal((3, 5000))
+    seen = 0.3 * effect + counts
+    assert square_of(seen) / 5000 == pytest.approx(0.09, abs=0.03)
+    assert square_of(seen, by_chance=True) / 5000 == pytest.approx(1.09, rel=0.05)
+
+
+def test_the_noise_of_three_days_is_that_of_one_and_leaves_the_gain_out() -> None:
+    rng = np.random.default_rng(4)
+    speed, noise = 5.0 * rng.standard_normal(3000), 0.02 * rng.standard_normal((3, 3000))
+    days = np.outer([0.99, 1.0, 1.02], speed) + noise
+    assert np.std(noise_of(days)) == pytest.approx(0.02, rel=0.05)
 
 
 def test_the_wire_gives_the_rows_of_the_process(tmp_path: Path) -> None:

@@ -21,6 +21,8 @@ _LEAST_EXCESS = 0.25
 _LEAST_GAIN = 0.01  # of the held-out mean square above the noise
 _MOST_LEFT = 0.4  # as a share; what verdict() calls partly explained ends there, too
 _GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by a tenth
+_TRIFLE = 0.01  # of what there was: what a form of an effect may be off by
+_SCATTER = 0.5  # of what is left: the rest is smooth
 _ACTS = 2.0  # times the noise
 _ELSEWHERE = 0.1  # of the scatter where a cause acts by chance
 
@@ -54,11 +56,31 @@ class Found:
     after: Whole
 
     @property
+    def explained(self) -> float:
+        """Drop of the deviance that the names bring, over the noise's spread."""
+        return self.fit.statistic / self.spread**2
+
+    @property
+    def beyond_noise(self) -> float:
+        """Deviance beyond the noise and all that is known, over the noise's spread."""
+        return self.problem.deviance / self.spread**2 - self.problem.n_rows
+
+    @property
     def mostly_left(self) -> bool:
         """Whether most of what is beyond the noise and all that is known stays unexplained."""
-        n = self.problem.n_rows * self.spread**2
-        left = self.problem.deviance - self.fit.statistic - n
-        return left > _MOST_LEFT * max(self.problem.deviance - n, 0.0) and left > _GROSS * n
+        left, n = self.beyond_noise - self.explained, self.problem.n_rows
+        return left > _MOST_LEFT * max(self.beyond_noise, 0.0) and left > _GROSS * n
+
+    @property
+    def patched(self) -> bool:
+        """Whether the names leave something smooth and plain that the library has no name for.
+
+        Then they are more likely near the cause than the cause: a belt with a seam looks like a
+        weight as long as the shaft turns to and fro within one turn of the belt.
+        """
+        trifle = _TRIFLE * max(self.before.excess, self.explained)
+        scatter = _SCATTER * (self.beyond_noise - self.explained)
+        return self.after.excess > max(_GROSS * self.problem.n_rows, trifle, scatter)
 
     @property
     def by_chance(self) -> bool:
@@ -108,19 +130,28 @@ def verdict_on(found: Found, sporadic: Sporadic | None) -> Verdict:
     # Windows that stand alone are not the matter where most is wrong elsewhere.
     if sporadic is not None and sporadic.deviance > found.before.excess:
         return "explained" if found.before.p_value > PLAINLY else "partly_explained"
+    return _on_nothing_named(found)
+
+
+def _on_nothing_named(found: Found) -> Verdict:
+    """Say whether there is something to be named."""
     if found.spread > LOUD:
         return "unexplained"
     if not found.before.material:
         return "no_discrepancy"
-    plain = held_out_gain(found.problem, found.fit)
+    plain = held_out_gain(found.problem, Fit((), 0.0, 0.0))
     above = plain.rmse_simulation_rad_s**2 - plain.noise_floor_rad_s**2
     return "unexplained" if above > _LEAST_EXCESS * plain.noise_floor_rad_s**2 else "no_discrepancy"
 
 
 def _on_named(found: Found) -> Verdict:
     """Say whether names may stand, and whether they are all."""
-    says = verdict(found.before, found.after, found.fit.statistic)
+    says = verdict(found.before, found.after, found.explained)
     if len(found.named) > _MOST_NAMED:
+        return "unexplained"
+    if found.after.p_value < PLAINLY and found.after.excess > found.explained:
+        return _on_nothing_named(found)
+    if found.patched:
         return "unexplained"
     # Several that leave something are patches on what the library does not know.
     if says == "unexplained" or found.mostly_left or (says != "explained" and found.named[1:]):

@@ -29,7 +29,7 @@ _SIMILAR = 0.15
 _MISFIT, _OFF = 50.0, 0.03
 _ONE_WAY = 2.0 * math.log(2.0)  # a parameter with one sign is given half the room beforehand
 _SECOND_SHARE = 0.01
-_SECOND_LEAST = 40.0  # what patches bring, see "two causes" in benchmarks/naming_campaign.py
+SECOND_LEAST = 40.0  # what patches bring, see "two causes" in benchmarks/naming_campaign.py
 _MATERIAL = 0.1  # of the noise's mean square
 _LEFT_EXPLAINED = 0.08
 _LEFT_PARTLY = 0.4
@@ -147,7 +147,7 @@ def earns_its_place(gained: float, first: Ranked) -> bool:
     first
         The first cause, as it was last weighed.
     """
-    return gained > max(_SECOND_LEAST, _SECOND_SHARE * first.statistic)
+    return gained > max(SECOND_LEAST, _SECOND_SHARE * first.statistic)
 
 
 @dataclass(frozen=True, slots=True)

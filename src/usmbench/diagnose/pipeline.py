@@ -74,6 +74,8 @@ def _diagnosed(
             refused[name] = reason
     found = search(stretches, known, own, [e for e in testable if not e.sporadic])
     sporadic = find_sporadic(found.problem, found.left_rad_s)
+    if sporadic is not None and sporadic.named.name in {r[0].effect.name for r in found.named}:
+        sporadic = None
     says = verdict_on(found, sporadic)
     return _report(found, sporadic, says, model, testable, tuple(refused.items()), tuple(warnings))
 

@@ -13,6 +13,9 @@ Array = NDArray[np.float64]
 
 _RUNNING = 0.1  # of the highest speed
 _GENTLE = 0.1  # the same, a window: a command that glides
+_SETTLING = (
+    2  # windows: then a rotor that went on turning is as sure of its speed as the noise says
+)
 _PARTS = 8  # of the speeds, from slow to fast
 _MOST_ALONE, _MOST_IN_PART = 0.1, 0.25  # more is no exception
 PLAIN = 12.0  # so far that only a miscount remains
@@ -59,9 +62,9 @@ def steady(stretch: Stretch) -> Mask:
     """
     settled = np.abs(stretch.settled_rad_s)
     top_rad_s = float(np.max(settled, initial=0.0))
-    gently = (np.abs(stretch.step_rad_s) < _GENTLE * top_rad_s) & (step_kind(stretch) == 0)
+    gently = (np.abs(stretch.step_rad_s) < _GENTLE * top_rad_s) | (stretch.lag >= _SETTLING)
     on: Mask = stretch.use & (settled > _RUNNING * top_rad_s)
-    calm: Mask = on & (gently | (stretch.lag >= LAGS))
+    calm: Mask = on & (gently & (step_kind(stretch) == 0) | (stretch.lag >= LAGS))
     return calm
 
 

@@ -10,6 +10,7 @@ from usmbench.diagnose.fitting import Fit
 from usmbench.diagnose.gain import held_out_drop
 from usmbench.diagnose.naming import (
     CLEAR,
+    SECOND_LEAST,
     TELLING,
     Ranked,
     earns_its_place,
@@ -18,6 +19,8 @@ from usmbench.diagnose.naming import (
 )
 from usmbench.diagnose.problem import Basis, Problem
 from usmbench.diagnose.refining import refine_widely
+from usmbench.diagnose.stretches import Mask
+from usmbench.diagnose.views import omnibus
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
 
@@ -25,6 +28,9 @@ Array = NDArray[np.float64]
 
 _MOST_CAUSES = 3
 _FEWEST_ROWS = 8.0  # that a cause has to explain better
+_SLOWER = 0.8  # times the least speed at which a cause that acts by chance is seen to act
+_CLEAR_SHARE = 0.1  # of the rows
+_PLAIN = 100.0  # deviance of a row: ten times the noise
 _TURNS = 4  # of weighing one of two causes given the other
 
 
@@ -82,9 +88,47 @@ def name_causes(
             break
         left = noise_spread(problem, basis, longer.effects)
         found, earned = Named([*before, here], longer, left), drop
+        if here[0].effect.by_chance:
+            return _with_the_rest(problem, effects, found)
         taken = set().union(*map(same_shape, found.rankings))
         here = rank(problem, [e for e in effects if e.name not in taken], left, longer)
     return found
+
+
+def _with_the_rest(problem: Problem, effects: Sequence[Effect], found: Named) -> Named:
+    """Look anew where the last cause, which acts by chance, does not.
+
+    Where it does, its scatter covers everything else.
+    """
+    chance = found.fit.effects[-1]
+    clear = problem.with_masks(_untouched(problem, chance))
+    if clear.n_rows < _CLEAR_SHARE * problem.n_rows:
+        return found
+    others = [e for e in effects if e.name != chance.effect.name]
+    basis = omnibus(clear)["all"]
+    spread = noise_spread(clear, basis, ())
+    rest = name_causes(clear, basis, rank(clear, others, spread), others, spread)
+    if rest.fit.statistic < SECOND_LEAST * spread**2:
+        return found
+    together = (chance, *rest.fit.effects)
+    left = problem.left(together)
+    fit = Fit(together, problem.deviance - float(left @ left), 0.0)
+    return Named([found.rankings[-1], *rest.rankings], fit, found.spread)
+
+
+def _untouched(problem: Problem, chance: Applied) -> list[Mask]:
+    """Rows too slow for a cause that acts by chance from some speed on, and far from faster ones.
+
+    An eccentric disc turns faster now and then than the shaft.
+    """
+    speeds = [np.abs(s.simulated_rad_s) for s in problem.stretches]
+    acts = [
+        np.abs(change) > problem.noise.level_rad_s(stretch)
+        for change, stretch in zip(problem.change_rad_s([chance]), problem.stretches, strict=True)
+    ]
+    slowest = min(float(np.min(v[a], initial=np.inf)) for v, a in zip(speeds, acts, strict=True))
+    fast = [np.convolve(v >= _SLOWER * slowest, np.ones(3), "same") > 0.0 for v in speeds]
+    return [m & ~f for m, f in zip(problem.masks, fast, strict=True)]
 
 
 def _holds(problem: Problem, found: Named, longer: Fit, more: Array) -> bool:
@@ -125,9 +169,13 @@ def _together(
 
 
 def _rows_behind(problem: Problem, fit: Fit, longer: Fit) -> float:
-    """Effective number of the rows that more causes explain better: (Σd)²/Σd² of what they gain."""
+    """Effective number of the rows that more causes explain better: (Σd)²/Σd² of what they gain.
+
+    What acts by chance strikes some rows far harder than others, which speaks not against them.
+    """
     before, after = (problem.left(f.effects)[: problem.n_rows] ** 2 for f in (fit, longer))
-    gained = np.maximum(before - after, 0.0)
+    most = _PLAIN if longer.effects[-1].effect.by_chance else np.inf
+    gained = np.clip(before - after, 0.0, most)
     return float(np.sum(gained) ** 2 / max(float(np.sum(gained**2)), 1e-300))
 
 

@@ -135,6 +135,51 @@ def test_counts_that_a_filter_swallows_by_chance_are_missed_counts(
     assert [cause.name for cause in found.causes] == ["missed_counts"]
 
 
+def test_what_swallowed_counts_cover_is_named_from_slower_windows(model: HammersteinModel) -> None:
+    rng = np.random.default_rng(3)
+    offset = _applied("phase_offset", "", offset_deg=0.5)
+    record = _driven(np.repeat(rng.uniform(-88.0, 88.0, 100), 20), 13, offset)
+    four_counts_rad_s = 4.0 * 2.0 * np.pi / 2000.0 / WINDOW_S
+    fast = np.abs(record.speed_rad_s) > 0.95 * np.max(np.abs(record.speed_rad_s))
+    lost = rng.binomial(7, 0.5, fast.size) * fast
+    counted = record.speed_rad_s - np.sign(record.speed_rad_s) * four_counts_rad_s * lost
+    found = diagnose([replace(record, speed_rad_s=counted)], model)
+    assert [cause.name for cause in found.causes] == ["missed_counts", "phase_offset"]
+    (found_deg,) = found.causes[1].parameters
+    assert found_deg.value == pytest.approx(0.5, rel=0.05)
+
+
+def test_false_counts_stand_out_soon_after_a_jump(model: HammersteinModel) -> None:
+    record = _measured(21)
+    runs_on = np.arange(record.t_s.size) % 5 == 3
+    rows = np.flatnonzero(runs_on & (np.abs(record.speed_rad_s) > 3.0))[::25]
+    glitches = np.zeros(runs_on.size)
+    glitches[rows] = 0.5 * np.where(np.arange(rows.size) % 2, 1.0, -1.0)
+    found = diagnose([replace(record, speed_rad_s=record.speed_rad_s + glitches)], model)
+    assert [cause.name for cause in found.causes] == ["count_glitches"]
+
+
+@pytest.mark.parametrize(("swing", "named"), [(0.0, ["load_torque"]), (0.5, [])])
+def test_what_looks_like_a_weight_and_swings_with_the_angle_has_no_name(
+    model: HammersteinModel, swing: float, named: list[str]
+) -> None:
+    record = _measured(23)
+    loaded = _measured(23, _applied("load_torque", "weight", one_sided_rad_s=0.15))
+    angle_rad = WINDOW_S * np.cumsum(record.speed_rad_s)
+    share = 1.0 + swing * np.sin(0.3 * angle_rad)
+    speed_rad_s = record.speed_rad_s + share * (loaded.speed_rad_s - record.speed_rad_s)
+    found = diagnose([replace(record, speed_rad_s=speed_rad_s)], model)
+    assert [cause.name for cause in found.causes] == named
+    assert found.verdict == ("explained" if named else "unexplained")
+
+
+def test_friction_at_one_speed_is_no_loss_of_counts(model: HammersteinModel) -> None:
+    record = _measured(25)
+    slower = 0.2 * np.exp(-((np.abs(record.speed_rad_s) - 5.0) ** 2))
+    sung = record.speed_rad_s - slower * np.sign(record.speed_rad_s)
+    assert diagnose([replace(record, speed_rad_s=sung)], model).verdict == "unexplained"
+
+
 def test_scatter_at_high_speed_that_is_no_loss_has_no_name(model: HammersteinModel) -> None:
     record = _measured(13)
     fast = np.abs(record.speed_rad_s) > 0.95 * np.max(np.abs(record.speed_rad_s))
