@@ -66,6 +66,12 @@ class MotorBench:
         """Return what defects change in the speed on some days, the noise the same, (D, N)."""
         return self._speeds_rad_s(excited, defects) - self._speeds_rad_s(excited)
 
+    def _struck_rad_s(self, draw: Draw, defects: tuple[Defect, ...]) -> Array:
+        """Return what they change in the draw's own run, (1, N): chance is another every day."""
+        days = [self.measured(draw.excited, draw.number, made) for made in (defects, ())]
+        with_rad_s, without_rad_s = (read_run(day).speed_rad_s for day in days)
+        return (with_rad_s - without_rad_s)[None]
+
     def _speeds_rad_s(self, excited: Excited, defects: tuple[Defect, ...] = ()) -> Array:
         """Return the speed on those days, shape (D, N)."""
         # Where the shaft creeps, a disc that sits alike would put the same count into the same
@@ -144,14 +150,19 @@ class MotorBench:
             rows &= well_counted(np.concatenate([healthy, hidden]))
         wanders = self._wanders(excited)[rows]
 
+        def seen(parts: tuple[Defect, ...]) -> Array:
+            if _strikes(parts):
+                return self._struck_rad_s(draw, parts)
+            return self.effects_rad_s(excited, parts)
+
         def strength(parts: tuple[Defect, ...]) -> float:
-            effects = self.effects_rad_s(excited, parts)[:, rows]
+            effects = seen(parts)[:, rows]
             return strength_of(effects, wanders, noise_rad_s, by_chance=_strikes(parts))
 
         outcome.strength = outcome.weakest = strength(defects)
         if len(defects) > 1:
             outcome.weakest = min(strength((defect,)) for defect in defects)
-        square = square_of((hidden - healthy)[:, inside], by_chance=_strikes(defects))
+        square = square_of(seen(defects)[:, inside], by_chance=_strikes(defects))
         outcome.rms = float(np.sqrt(square / np.count_nonzero(inside))) / noise_rad_s
 
     def _on_another_run(self, outcome: Outcome, draw: Draw) -> None:

@@ -11,6 +11,7 @@ from usmbench.diagnose.naming import PLAINLY, Ranked, Whole, verdict
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.remainder import LOUD
 from usmbench.diagnose.result import Verdict
+from usmbench.diagnose.spikes import struck_by
 from usmbench.diagnose.sporadic import Sporadic
 
 Array = NDArray[np.float64]
@@ -23,7 +24,6 @@ _MOST_LEFT = 0.4  # as a share; what verdict() calls partly explained ends there
 _GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by a tenth
 _TRIFLE = 0.01  # of what there was: what a form of an effect may be off by
 _SCATTER = 0.5  # of what is left: the rest is smooth
-_ACTS = 2.0  # times the noise
 _ELSEWHERE = 0.1  # of the scatter where a cause acts by chance
 
 
@@ -83,6 +83,11 @@ class Found:
         return self.after.excess > max(_GROSS * self.problem.n_rows, trifle, scatter)
 
     @property
+    def smooth(self) -> bool:
+        """Whether the views show more of what is left than the names explain."""
+        return self.after.p_value < PLAINLY and self.after.excess > self.explained
+
+    @property
     def by_chance(self) -> bool:
         """Whether what stays unexplained is the scatter of a cause that acts by chance.
 
@@ -90,23 +95,18 @@ class Found:
         in the windows on which the cause acts, and there the motor only ever seems too slow.
         """
         chancy = [a for a in self.fit.effects if a.effect.by_chance]
-        if not chancy:
+        if not chancy or self.smooth:
             return False
-        changes = self.problem.change_rad_s(chancy)
+        problem, left_rad_s = self.problem, self.left_rad_s
+        changes, struck = problem.change_rad_s(chancy), struck_by(problem, chancy)
         inside = outside = against = 0.0
-        for stretch, mask, change, was, left in zip(
-            self.problem.stretches,
-            self.problem.masks,
-            changes,
-            self.problem.residual_rad_s,
-            self.left_rad_s,
-            strict=True,
-        ):
-            level = self.problem.noise.level_rad_s(stretch)
-            acts = mask & (np.abs(change) > _ACTS * level)
-            inside += float(np.sum((left / level)[acts] ** 2))
-            outside += float(np.sum((left / level)[mask & ~acts] ** 2))
-            against += float(np.sum((was / level)[acts & (was * change < 0.0)] ** 2))
+        for k, (stretch, mask) in enumerate(zip(problem.stretches, problem.masks, strict=True)):
+            level = problem.noise.level_rad_s(stretch)
+            left, was = left_rad_s[k] / level, problem.residual_rad_s[k] / level
+            faster = struck[k] & (was * changes[k] < 0.0)
+            inside += float(np.sum(left[mask & struck[k]] ** 2))
+            outside += float(np.sum(left[mask & ~struck[k]] ** 2))
+            against += float(np.sum(was[mask & faster] ** 2))
         return outside < _ELSEWHERE * inside and against < _ELSEWHERE * inside
 
     @property
@@ -149,7 +149,7 @@ def _on_named(found: Found) -> Verdict:
     says = verdict(found.before, found.after, found.explained)
     if len(found.named) > _MOST_NAMED:
         return "unexplained"
-    if found.after.p_value < PLAINLY and found.after.excess > found.explained:
+    if found.smooth and any(a.effect.by_chance for a in found.fit.effects):
         return _on_nothing_named(found)
     if found.patched:
         return "unexplained"

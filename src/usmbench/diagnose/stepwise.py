@@ -19,7 +19,7 @@ from usmbench.diagnose.naming import (
 )
 from usmbench.diagnose.problem import Basis, Problem
 from usmbench.diagnose.refining import refine_widely
-from usmbench.diagnose.stretches import Mask
+from usmbench.diagnose.spikes import struck_by
 from usmbench.diagnose.views import omnibus
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
@@ -28,7 +28,6 @@ Array = NDArray[np.float64]
 
 _MOST_CAUSES = 3
 _FEWEST_ROWS = 8.0  # that a cause has to explain better
-_SLOWER = 0.8  # times the least speed at which a cause that acts by chance is seen to act
 _CLEAR_SHARE = 0.1  # of the rows
 _PLAIN = 100.0  # deviance of a row: ten times the noise
 _TURNS = 4  # of weighing one of two causes given the other
@@ -101,7 +100,8 @@ def _with_the_rest(problem: Problem, effects: Sequence[Effect], found: Named) ->
     Where it does, its scatter covers everything else.
     """
     chance = found.fit.effects[-1]
-    clear = problem.with_masks(_untouched(problem, chance))
+    struck = struck_by(problem, [chance])
+    clear = problem.with_masks([m & ~s for m, s in zip(problem.masks, struck, strict=True)])
     if clear.n_rows < _CLEAR_SHARE * problem.n_rows:
         return found
     others = [e for e in effects if e.name != chance.effect.name]
@@ -114,21 +114,6 @@ def _with_the_rest(problem: Problem, effects: Sequence[Effect], found: Named) ->
     left = problem.left(together)
     fit = Fit(together, problem.deviance - float(left @ left), 0.0)
     return Named([found.rankings[-1], *rest.rankings], fit, found.spread)
-
-
-def _untouched(problem: Problem, chance: Applied) -> list[Mask]:
-    """Rows too slow for a cause that acts by chance from some speed on, and far from faster ones.
-
-    An eccentric disc turns faster now and then than the shaft.
-    """
-    speeds = [np.abs(s.simulated_rad_s) for s in problem.stretches]
-    acts = [
-        np.abs(change) > problem.noise.level_rad_s(stretch)
-        for change, stretch in zip(problem.change_rad_s([chance]), problem.stretches, strict=True)
-    ]
-    slowest = min(float(np.min(v[a], initial=np.inf)) for v, a in zip(speeds, acts, strict=True))
-    fast = [np.convolve(v >= _SLOWER * slowest, np.ones(3), "same") > 0.0 for v in speeds]
-    return [m & ~f for m, f in zip(problem.masks, fast, strict=True)]
 
 
 def _holds(problem: Problem, found: Named, longer: Fit, more: Array) -> bool:
