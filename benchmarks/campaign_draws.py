@@ -1,13 +1,19 @@
 """Draws of the naming campaign: what is hidden in which motor, and how it is driven."""
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from benchmarks.campaign_runs import FREQUENCIES_HZ, FREQUENCY_HZ, PLANS, Excited, Motor
+from benchmarks.campaign_runs import (
+    COUNT_RAD_S,
+    FREQUENCIES_HZ,
+    FREQUENCY_HZ,
+    PLANS,
+    Excited,
+    Motor,
+)
 from hil_sim.defects import CATALOGUE, Defect, parse_defect
 from usmbench.model.effects.registry import library
 
@@ -23,7 +29,6 @@ _KNOWN: Final = tuple(m for m, kind in CATALOGUE.items() if kind.cause)
 _NAMELESS: Final = tuple(m for m in CATALOGUE if m not in _KNOWN)
 # Mechanisms of which any two can be told apart in principle, each of a size that can be drawn.
 _PAIRED: Final = _KNOWN[: _KNOWN.index("dead_direction")]
-_COUNT_RAD_S: Final = 2.0 * math.pi / 2000.0 / 0.01
 
 TRUTHS: Final[dict[str, Callable[[float], dict[str, float]]]] = {
     "amplifier_delay": lambda ns: {"offset_deg": -360.0 * FREQUENCY_HZ * 1e-9 * ns},
@@ -31,7 +36,7 @@ TRUTHS: Final[dict[str, Callable[[float], dict[str, float]]]] = {
     "other_code_wheel": lambda lines: {"scale_error": lines / 500.0},
     "off_crystal": lambda ppm: {"frequency_error_ppm": ppm},
     "missing_phase_bits": lambda bits: {"step_deg": 360.0 / 4096.0 * 2.0**bits},
-    "spikes": lambda per_s: {"rate_hz": per_s, "size_rad_s": _COUNT_RAD_S},
+    "spikes": lambda per_s: {"rate_hz": per_s, "size_rad_s": COUNT_RAD_S},
 }
 """Mechanisms whose size, converted, is a parameter of the cause in the library."""
 

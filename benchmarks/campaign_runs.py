@@ -24,12 +24,13 @@ from usmbench.settings.plan import Plan
 from usmbench.settings.plan_file import parse_plan
 from usmbench.settings.yaml_source import parse_source
 
-_COUNT_RAD = 2.0 * np.pi / 2000.0
 PLANS = ("staircase", "telegraph", "multisine")
 FREQUENCY_HZ = 41_000.0
 FREQUENCIES_HZ = (40_050.0, FREQUENCY_HZ)  # either side of the resonance
 # Lost counts are among what is looked for: they must not end the run.
 _BENCH = BenchSettings(name="campaign")
+COUNT_RAD = 2.0 * np.pi / _BENCH.counts_per_rev
+COUNT_RAD_S = COUNT_RAD / _BENCH.window_s  # one count in a window
 _SETTINGS = replace(_BENCH, interlocks=replace(_BENCH.interlocks, index_error_max_counts=None))
 _STAIRS = 25
 _SHORTEST_DWELL = 16  # windows: what a plan of settled pairs asks for
@@ -187,8 +188,8 @@ class TurnedDisc(Defect):
     typical: ClassVar[float] = 0.5
 
     def disc_error(self) -> DiscError:
-        """Return the pattern's angle beyond the shaft's."""
-        return lambda angle_rad: np.full_like(angle_rad, self.size * _COUNT_RAD)
+        """Return the pattern's angle beyond the shaft's, in rad."""
+        return lambda angle_rad: np.full_like(angle_rad, self.size * COUNT_RAD)
 
 
 @contextmanager

@@ -5,11 +5,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.campaign_runs import COUNT_RAD_S
+
 Array = NDArray[np.float64]
 
 _FAR: Final = 6.0  # spreads of the bulk
 _HANDFUL: Final = 10  # windows
-_COUNT_RAD_S: Final = 2.0 * np.pi / 2000.0 / 0.01  # one count in a window
 
 
 def noise_of(healthy: Array) -> Array:
@@ -23,7 +24,7 @@ def noise_of(healthy: Array) -> Array:
     Returns
     -------
     noise
-        As large as that of one run, shape (D, N).
+        In rad/s, as large as that of one run, shape (D, N).
     """
     n_days, mean = len(healthy), healthy.mean(axis=0)
     apart = (healthy - mean) * np.sqrt(n_days / (n_days - 1.0))
@@ -55,7 +56,7 @@ def well_counted(speeds_rad_s: Array) -> NDArray[np.bool_]:
         The speeds of some runs, shape (D, N).
     """
     size = np.abs(speeds_rad_s)
-    stands, turns = np.all(size == 0.0, axis=0), np.all(size > 2.0 * _COUNT_RAD_S, axis=0)
+    stands, turns = np.all(size == 0.0, axis=0), np.all(size > 2.0 * COUNT_RAD_S, axis=0)
     well: NDArray[np.bool_] = stands | turns
     well[1:] = (stands[1:] & stands[:-1]) | (turns[1:] & turns[:-1])
     return well
@@ -64,7 +65,7 @@ def well_counted(speeds_rad_s: Array) -> NDArray[np.bool_]:
 def square_of(seen: Array, *, by_chance: bool = False) -> float:
     """Return the square of what several sightings show: the mean of eᵢ·eⱼ over all i ≠ j.
 
-    What is another each day is left out.
+    What is another each day is left out. In the square of the sightings' unit.
 
     Parameters
     ----------

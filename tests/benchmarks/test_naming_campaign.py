@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from benchmarks.campaign_bench import MotorBench
 from benchmarks.campaign_draws import GROUPS, Choice, Draw, Hidden, draws, hide, motor_of
 from benchmarks.campaign_outcome import Outcome
-from benchmarks.campaign_runs import Excited, Measured, Motor
+from benchmarks.campaign_runs import COUNT_RAD, COUNT_RAD_S, Excited, Measured, Motor, TurnedDisc
 from benchmarks.campaign_sizes import noise_of, square_of, strength_of, well_counted
 from benchmarks.campaign_tables import report, share, wrong_ones
 from hil_sim.defects import CATALOGUE
@@ -55,12 +55,17 @@ def test_the_size_of_an_effect_is_what_no_wander_explains_and_no_handful_of_wind
 
 
 def test_a_count_falls_into_a_window_for_sure_where_the_shaft_stands_on_or_turns_on() -> None:
-    count_rad_s = 2.0 * np.pi / 2000.0 / 0.01
-    speed = count_rad_s * np.array([0.0, 0.0, 0.5, 3.0, 3.0, -3.0, 1.9, 0.0, 0.0])
+    speed = COUNT_RAD_S * np.array([0.0, 0.0, 0.5, 3.0, 3.0, -3.0, 1.9, 0.0, 0.0])
     well = [True, True, False, False, True, True, False, False, True]
     assert well_counted(speed[None]).tolist() == well
-    creeps = np.r_[speed[:-1], count_rad_s]
+    creeps = np.r_[speed[:-1], COUNT_RAD_S]
     assert well_counted(np.stack([speed, creeps])).tolist() == [*well[:-1], False]
+
+
+def test_a_disc_that_is_turned_reads_so_much_further_at_every_angle() -> None:
+    angle_rad = np.linspace(-3.0, 3.0, 7)
+    assert TurnedDisc(0.25).disc_error()(angle_rad) == pytest.approx(0.25 * COUNT_RAD)
+    assert pytest.approx(np.radians(0.18)) == COUNT_RAD  # 500 lines, four counts each
 
 
 def test_what_another_day_does_not_show_counts_only_where_chance_is_the_cause() -> None:

@@ -43,3 +43,6 @@ class Fit:
         u = max(self.statistic, 0.0)
         tail = float(chi2.sf(u, self.free)) + self.roughness * math.exp(-0.5 * u) / math.pi
         return min(tail, 1.0)
+
+
+NOTHING = Fit((), 0.0, 0.0)

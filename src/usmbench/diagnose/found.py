@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.fitting import Fit
+from usmbench.diagnose.chance import chancy_of, leaves_scatter
+from usmbench.diagnose.fitting import NOTHING, Fit
 from usmbench.diagnose.gain import held_out_gain
 from usmbench.diagnose.naming import PLAINLY, Ranked, Whole, verdict
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.remainder import LOUD
 from usmbench.diagnose.result import Verdict
-from usmbench.diagnose.spikes import struck_by
 from usmbench.diagnose.sporadic import Sporadic
 
 Array = NDArray[np.float64]
@@ -24,7 +24,6 @@ _MOST_LEFT = 0.4  # as a share; what verdict() calls partly explained ends there
 _GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by a tenth
 _TRIFLE = 0.01  # of what there was: what a form of an effect may be off by
 _SCATTER = 0.5  # of what is left: the rest is smooth
-_ELSEWHERE = 0.1  # of the scatter where a cause acts by chance
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,31 +82,9 @@ class Found:
         return self.after.excess > max(_GROSS * self.problem.n_rows, trifle, scatter)
 
     @property
-    def smooth(self) -> bool:
+    def leaves_more(self) -> bool:
         """Whether the views show more of what is left than the names explain."""
         return self.after.p_value < PLAINLY and self.after.excess > self.explained
-
-    @property
-    def by_chance(self) -> bool:
-        """Whether what stays unexplained is the scatter of a cause that acts by chance.
-
-        Counts that are lost now and then, say: no simulation foresees which. Then the scatter sits
-        in the windows on which the cause acts, and there the motor only ever seems too slow.
-        """
-        chancy = [a for a in self.fit.effects if a.effect.by_chance]
-        if not chancy or self.smooth:
-            return False
-        problem, left_rad_s = self.problem, self.left_rad_s
-        changes, struck = problem.change_rad_s(chancy), struck_by(problem, chancy)
-        inside = outside = against = 0.0
-        for k, (stretch, mask) in enumerate(zip(problem.stretches, problem.masks, strict=True)):
-            level = problem.noise.level_rad_s(stretch)
-            left, was = left_rad_s[k] / level, problem.residual_rad_s[k] / level
-            faster = struck[k] & (was * changes[k] < 0.0)
-            inside += float(np.sum(left[mask & struck[k]] ** 2))
-            outside += float(np.sum(left[mask & ~struck[k]] ** 2))
-            against += float(np.sum(was[mask & faster] ** 2))
-        return outside < _ELSEWHERE * inside and against < _ELSEWHERE * inside
 
     @property
     def left_rad_s(self) -> list[Array]:
@@ -139,7 +116,7 @@ def _on_nothing_named(found: Found) -> Verdict:
         return "unexplained"
     if not found.before.material:
         return "no_discrepancy"
-    plain = held_out_gain(found.problem, Fit((), 0.0, 0.0))
+    plain = held_out_gain(found.problem, NOTHING)
     above = plain.rmse_simulation_rad_s**2 - plain.noise_floor_rad_s**2
     return "unexplained" if above > _LEAST_EXCESS * plain.noise_floor_rad_s**2 else "no_discrepancy"
 
@@ -149,13 +126,15 @@ def _on_named(found: Found) -> Verdict:
     says = verdict(found.before, found.after, found.explained)
     if len(found.named) > _MOST_NAMED:
         return "unexplained"
-    if found.smooth and any(a.effect.by_chance for a in found.fit.effects):
+    # Scatter is not smooth: what the views show of it is little.
+    if chancy_of(found.fit.effects) and found.leaves_more:
         return _on_nothing_named(found)
     if found.patched:
         return "unexplained"
     # Several that leave something are patches on what the library does not know.
     if says == "unexplained" or found.mostly_left or (says != "explained" and found.named[1:]):
-        return "partly_explained" if found.by_chance else "unexplained"
+        chance = leaves_scatter(found.problem, found.fit.effects)
+        return "partly_explained" if chance else "unexplained"
     # Where unseen blocks come out no better, what is left is the matter.
     if says != "explained" and held_out_gain(found.problem, found.fit).gain < _LEAST_GAIN:
         return "unexplained"

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.anew import identified_anew
 from usmbench.diagnose.detectable import smallest_sizes
-from usmbench.diagnose.fitting import Fit
+from usmbench.diagnose.fitting import NOTHING, Fit
 from usmbench.diagnose.found import Found, verdict_on
 from usmbench.diagnose.gain import Gain, held_out_gain
 from usmbench.diagnose.intervals import intervals
@@ -92,7 +92,7 @@ def _report(
     """Put everything together."""
     problem = found.problem
     named = found.named if says in ("explained", "partly_explained") else []
-    fit = found.fit if named else Fit((), 0.0, 0.0)
+    fit = found.fit if named else NOTHING
     sporadic = sporadic if says in ("explained", "partly_explained") else None
     effects = (*fit.effects, *(() if sporadic is None else (sporadic.applied,)))
     extended = replace(

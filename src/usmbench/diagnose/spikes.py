@@ -1,4 +1,4 @@
-"""Windows that chance strikes: those far from their neighbours, and those that must not sway."""
+"""Isolated windows far from their neighbours: miscounts, and rows that must not sway a fit."""
 
 from collections.abc import Sequence
 
@@ -7,16 +7,13 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from usmbench.diagnose.noise import LAGS, Noise, step_kind
-from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.stretches import Mask, Stretch
-from usmbench.model.extended import Applied
 
 Array = NDArray[np.float64]
 
 _RUNNING = 0.1  # of the highest speed
 _GENTLE = 0.1  # the same, a window: a command that glides
 _SETTLING = 2  # windows until the noise says how sure the speed of a rotor is that turns on
-_SLOWER = 0.8  # times the least speed at which a cause that acts by chance is seen to act
 _PARTS = 8  # of the speeds, from slow to fast
 _MOST_ALONE, _MOST_IN_PART = 0.1, 0.25  # more is no exception
 PLAIN = 12.0  # so far that only a miscount remains
@@ -98,27 +95,6 @@ def isolated(alone: Mask, speed_rad_s: Array) -> bool:
         return False
     parts = np.array_split(alone[np.argsort(np.abs(speed_rad_s), kind="stable")], _PARTS)
     return max(float(np.mean(part)) for part in parts if part.size) <= _MOST_IN_PART
-
-
-def struck_by(problem: Problem, chancy: Sequence[Applied]) -> list[Mask]:
-    """Return the rows fast enough for what acts by chance from some speed on, and those beside.
-
-    An eccentric disc turns faster now and then than the shaft.
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    chancy
-        The causes, as they were fitted.
-    """
-    speeds = [np.abs(s.simulated_rad_s) for s in problem.stretches]
-    acts = [
-        np.abs(change) > problem.noise.level_rad_s(stretch)
-        for change, stretch in zip(problem.change_rad_s(chancy), problem.stretches, strict=True)
-    ]
-    slowest = min(float(np.min(v[a], initial=np.inf)) for v, a in zip(speeds, acts, strict=True))
-    return [np.convolve(v >= _SLOWER * slowest, np.ones(3), "same") > 0.0 for v in speeds]
 
 
 def _alone(residual: Array, least: Array) -> Mask:

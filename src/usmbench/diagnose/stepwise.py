@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.fitting import Fit
+from usmbench.diagnose.chance import struck_by
+from usmbench.diagnose.fitting import NOTHING, Fit
 from usmbench.diagnose.gain import held_out_drop
 from usmbench.diagnose.naming import (
     CLEAR,
@@ -19,7 +20,6 @@ from usmbench.diagnose.naming import (
 )
 from usmbench.diagnose.problem import Basis, Problem
 from usmbench.diagnose.refining import refine_widely
-from usmbench.diagnose.spikes import struck_by
 from usmbench.diagnose.views import omnibus
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
@@ -28,8 +28,8 @@ Array = NDArray[np.float64]
 
 _MOST_CAUSES = 3
 _FEWEST_ROWS = 8.0  # that a cause has to explain better
-_CLEAR_SHARE = 0.1  # of the rows
-_PLAIN = 100.0  # deviance of a row: ten times the noise
+_LEAST_CLEAR = 0.1  # of the rows: what is left where chance cannot strike must tell something
+_MOST_OF_ROW = 100.0  # deviance: ten times the noise
 _TURNS = 4  # of weighing one of two causes given the other
 
 
@@ -74,7 +74,7 @@ def name_causes(
     spread
         Standard deviation of the whitened noise where nothing is named.
     """
-    found, here, earned = Named([], Fit((), 0.0, 0.0), spread), ranked, np.zeros(1)
+    found, here, earned = Named([], NOTHING, spread), ranked, np.zeros(1)
     while here and len(found.rankings) < _MOST_CAUSES:
         if here[0].p_value >= CLEAR or here[0].score <= 0.0:
             break
@@ -102,7 +102,7 @@ def _with_the_rest(problem: Problem, effects: Sequence[Effect], found: Named) ->
     chance = found.fit.effects[-1]
     struck = struck_by(problem, [chance])
     clear = problem.with_masks([m & ~s for m, s in zip(problem.masks, struck, strict=True)])
-    if clear.n_rows < _CLEAR_SHARE * problem.n_rows:
+    if clear.n_rows < _LEAST_CLEAR * problem.n_rows:
         return found
     others = [e for e in effects if e.name != chance.effect.name]
     basis = omnibus(clear)["all"]
@@ -159,7 +159,7 @@ def _rows_behind(problem: Problem, fit: Fit, longer: Fit) -> float:
     What acts by chance strikes some rows far harder than others, which speaks not against them.
     """
     before, after = (problem.left(f.effects)[: problem.n_rows] ** 2 for f in (fit, longer))
-    most = _PLAIN if longer.effects[-1].effect.by_chance else np.inf
+    most = _MOST_OF_ROW if longer.effects[-1].effect.by_chance else np.inf
     gained = np.clip(before - after, 0.0, most)
     return float(np.sum(gained) ** 2 / max(float(np.sum(gained**2)), 1e-300))
 
