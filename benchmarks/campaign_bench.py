@@ -16,11 +16,15 @@ from benchmarks.campaign_runs import FREQUENCIES_HZ, PLANS, Excited, Measured, M
 from benchmarks.campaign_sizes import noise_of, not_far_out, square_of, strength_of, well_counted
 from hil_sim.defects import Defect
 from usmbench.cli.main import main as usmbench
+from usmbench.diagnose.found import Found
 from usmbench.diagnose.gain import gain_of_blocks
 from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.pipeline import diagnose
+from usmbench.diagnose.search import search
 from usmbench.diagnose.stretches import cut_runs
 from usmbench.errors import UsmbenchError
+from usmbench.model.effects.registry import library
+from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.model_file import read_model, write_model
 from usmbench.model.replay import replay_record
 from usmbench.runs.reader import read_run
@@ -169,18 +173,32 @@ class MotorBench:
         """Score the extended model, and the plain one with the true effect, on a run unseen."""
         defects, day = draw.hidden.made, _FRESH + draw.number
         excited = replace(draw.excited, seed=draw.excited.seed + _FRESH)
-        record, model = read_run(self.measured(excited, day, defects)), read_model(self.model)
-        plain, inside = _error(self.model, record)
-        better, _ = _error(self._extended, record)
-        speeds, healthy = self._speeds_rad_s(excited, defects), self._speeds_rad_s(excited)
-        hidden = speeds.mean(axis=0)
-        ((stretch,), _), noise = cut_runs([record], model, ()), knowledge_of(model).noise
-        assert noise is not None
-        rows = inside & not_far_out(record.speed_rad_s - hidden)
-        truly = plain - (hidden - healthy.mean(axis=0))
-        floor = noise.level_rad_s(stretch)[rows]
+        record = read_run(self.measured(excited, day, defects))
+        (plain, _), (better, _) = _error(self.model, record), _error(self._extended, record)
+        truly = plain - self.effects_rad_s(excited, defects).mean(axis=0)
+        # The windows that a diagnosis of this run would score.
+        problem = searched(record, read_model(self.model)).problem
+        ((stretch,), (mask,)) = problem.stretches, problem.masks
+        rows = stretch.use & mask
+        floor = problem.noise.level_rad_s(stretch)[rows]
         outcome.fresh_gain = _gain(plain[rows], better[rows], floor)
         outcome.oracle_gain = _gain(plain[rows], truly[rows], floor)
+
+
+def searched(record: Record, model: HammersteinModel) -> Found:
+    """Return what a search for causes in a run comes to.
+
+    Parameters
+    ----------
+    record
+        The run.
+    model
+        The model.
+    """
+    stretches, _ = cut_runs([record], model, ())
+    contexts = [stretch.context for stretch in stretches]
+    testable = [e for e in library() if not e.sporadic and e.untestable(contexts) is None]
+    return search(stretches, knowledge_of(model), (), testable)
 
 
 def _strikes(defects: tuple[Defect, ...]) -> bool:

@@ -20,15 +20,11 @@ from scipy.optimize import minimize
 from scipy.special import log_ndtr
 from scipy.stats import norm
 
-from benchmarks.campaign_bench import SMALL_REFERENCE_S, MotorBench
+from benchmarks.campaign_bench import SMALL_REFERENCE_S, MotorBench, searched
 from benchmarks.campaign_runs import Excited, Motor
 from benchmarks.campaign_sizes import square_of
 from benchmarks.campaign_tables import share
 from hil_sim.defects import CATALOGUE
-from usmbench.diagnose.knowledge import knowledge_of
-from usmbench.diagnose.search import search
-from usmbench.diagnose.stretches import cut_runs
-from usmbench.model.effects.registry import library
 from usmbench.model.model_file import read_model
 from usmbench.runs.reader import read_run
 
@@ -62,11 +58,7 @@ class Power:
     def __init__(self, bench: MotorBench, excited: Excited):
         self._bench, self._excited = bench, excited
         self._record = read_run(bench.measured(excited, 0))
-        model = read_model(bench.model)
-        self._stretches, _ = cut_runs([self._record], model, ())
-        contexts = [stretch.context for stretch in self._stretches]
-        testable = [e for e in library() if not e.sporadic and e.untestable(contexts) is None]
-        found = search(self._stretches, knowledge_of(model), (), testable)
+        found = searched(self._record, read_model(bench.model))
         self._problem, self._spread = found.problem, found.spread
 
     def told_size(self, mechanism: str) -> float:
@@ -80,7 +72,7 @@ class Power:
 
     def _length(self, mechanism: str, size: float) -> float:
         effects = self._bench.effects_rad_s(self._excited, (CATALOGUE[mechanism](size),))
-        rows = [np.searchsorted(self._record.t_s, s.context.t_s) for s in self._stretches]
+        rows = [np.searchsorted(self._record.t_s, s.context.t_s) for s in self._problem.stretches]
         seen = [self._problem.carried([effect[k] for k in rows]) for effect in effects]
         return float(np.sqrt(square_of(np.stack(seen)))) / self._spread
 

@@ -1,4 +1,4 @@
-"""Where causes that act by chance may strike, and whether what is left is their scatter."""
+"""Where causes that act by chance may strike, and whether there is the scatter that they leave."""
 
 from collections.abc import Sequence
 
@@ -10,6 +10,7 @@ from usmbench.model.extended import Applied
 
 _SLOWER = 0.8  # times the least speed at which such a cause is seen to act
 _ELSEWHERE = 0.1  # of the scatter
+_ENOUGH = 0.5  # of the least scatter
 
 
 def chancy_of(effects: Sequence[Applied]) -> list[Applied]:
@@ -76,3 +77,31 @@ def leaves_scatter(problem: Problem, effects: Sequence[Applied]) -> bool:
         outside += float(np.sum(left[mask & ~struck[k]] ** 2))
         against += float(np.sum(was[mask & faster] ** 2))
     return max(outside, against) < _ELSEWHERE * inside
+
+
+def scatters(problem: Problem, effects: Sequence[Applied]) -> bool:
+    """Return whether the windows that the last effect acts on scatter as much as chance leaves.
+
+    Whole counts are lost. Where the mean loss is a count and a part f, some windows lose one more
+    than others, and the square of their scatter is no less than f (1 − f) counts².
+
+    Parameters
+    ----------
+    problem
+        The problem. Runs that do not say how large a count is may scatter as they like.
+    effects
+        The effects, as they were fitted; the last acts by chance.
+    """
+    # Neither weights nor masks: they are there to keep scatter from the fit.
+    plain = problem.weighed(problem.noise, [s.use for s in problem.stretches])
+    acts, least = [], 0.0
+    for k, change in enumerate(plain.change_rad_s(effects[-1:])):
+        count_rad_s, valid = plain.stretches[k].context.count_rad_s, plain.valid[k]
+        if count_rad_s is None:
+            return True
+        level = plain.noise.level_rad_s(plain.stretches[k])[valid]
+        part = np.abs(change[valid]) / count_rad_s % 1.0
+        least += float(np.sum(part * (1.0 - part) * (count_rad_s / level) ** 2))
+        acts.append(change[valid] != 0.0)
+    left = plain.left(effects)[: plain.n_rows][np.concatenate(acts)]
+    return float(np.sum(left**2 - 1.0)) > _ENOUGH * least

@@ -226,6 +226,19 @@ class Features:
                 total += coefficient * column
         return total
 
+    def warming(self, stretch: Stretch, warms_rad_s: Array) -> Array:
+        """Return a known warming, and the same growing over the known time, shape (N, 2).
+
+        Parameters
+        ----------
+        stretch
+            The stretch.
+        warms_rad_s
+            What the motor is known to change as it warms, shape (N,).
+        """
+        later = 2.0 * stretch.context.t_s / self.end_s - 1.0
+        return np.column_stack((warms_rad_s, warms_rad_s * later))
+
     def to_mapping(self) -> dict[str, Any]:
         """Return what the model file keeps."""
         return {

@@ -20,13 +20,13 @@ from usmbench.diagnose.stretches import Stretch
 from usmbench.diagnose.triangle_text import triangle_of, triangle_text
 from usmbench.diagnose.wander import (
     LEAST,
-    WARMS_OTHERWISE,
     Wander,
     departures,
     wander_from_mapping,
     wander_of_shares,
 )
 from usmbench.errors import InputError
+from usmbench.model.extended import applied_effects
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.operating_points import places_among
 
@@ -102,7 +102,7 @@ class Knowledge:
             Square root of the coefficients' covariance, shape (S, K): the columns of
             ``shapes @ root`` are differences of one standard deviation.
         """
-        runs = sorted({s.run for s in stretches})
+        runs, habits = sorted({s.run for s in stretches}), applied_effects(self.habits)
         free = self.root != 0.0
         shaped, ways = np.any(free, axis=1), np.any(free, axis=0)
         warms = np.where(self.features.warms, self.mean, 0.0)[shaped]
@@ -110,10 +110,9 @@ class Knowledge:
         for s in stretches:
             none = np.empty((s.context.n, 0))
             shapes = np.column_stack([none, *compress(self.features.columns(s), shaped)])
-            warm, late = shapes @ warms, 2.0 * s.context.t_s / self.features.end_s - 1.0
-            own = np.column_stack((departures(s), warm, warm * late))
+            own = departures(s, self.features.warming(s, shapes @ warms), habits)
             found.append(np.column_stack([shapes, *(own * (s.run == run) for run in runs)]))
-        apart = np.diag(np.tile([*self.wander.deviations, *WARMS_OTHERWISE], len(runs)))
+        apart = np.diag(np.tile(self.wander.deviations, len(runs)))
         return found, block_diag(self.root[np.ix_(shaped, ways)], apart)
 
     def to_mapping(self) -> dict[str, Any]:

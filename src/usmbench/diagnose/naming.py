@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from scipy.stats import chi2
 
+from usmbench.diagnose.chance import scatters
 from usmbench.diagnose.fitting import Fit
 from usmbench.diagnose.problem import Basis, Problem
 from usmbench.diagnose.refining import refine
@@ -17,7 +18,7 @@ from usmbench.model.extended import Applied
 SIGNIFICANT = 0.01  # of what is weighed further, and of single windows
 # Family-wise, for a name: no covariance knows all of a healthy model's error, whose tails are
 # heavier than the noise's; see "nothing hidden" in benchmarks/naming_campaign.py.
-CLEAR = 1e-3
+CLEAR = 5e-3
 PLAINLY = 1e-3  # that the views together show something
 _REFINED = 8
 _SAME = 0.5
@@ -50,7 +51,7 @@ class Ranked:
     p_value
         Family-wise probability of it where nothing is wrong.
     score
-        Statistic less the price of its parameters.
+        Statistic less the price of its parameters, and of a scatter that is not there.
     """
 
     effect: Effect
@@ -90,7 +91,12 @@ def rank(
         statistic = max(fit.statistic, 0.0) / spread**2
         alone = Fit(fit.effects[-1:], statistic, fit.roughness)
         p_value = min(1.0, alone.p_value * len(effects))
-        found.append(Ranked(effect, fit, statistic, p_value, statistic - _price(effect, price)))
+        score = statistic - _price(effect, price)
+        if effect.by_chance and not scatters(problem, fit.effects):
+            score -= max(
+                _MISFIT, telling_deviance(statistic)
+            )  # whatever explains as much goes first
+        found.append(Ranked(effect, fit, statistic, p_value, score))
     return sorted(found, key=lambda r: -r.score)
 
 

@@ -23,7 +23,6 @@ from usmbench.diagnose.stretches import Mask, Stretch, cut_runs
 from usmbench.diagnose.wander import (
     ANY,
     LEAST,
-    Wander,
     departures,
     measured_wander,
     wander_of_shares,
@@ -71,8 +70,7 @@ def with_knowledge(model: HammersteinModel, records: Sequence[Record]) -> Hammer
         if found:
             habits += found
             stretches, _ = cut_runs(records, model, habits)
-            entries = tuple(applied.to_mapping() for applied in habits)
-            known = replace(measure_knowledge(stretches), habits=entries)
+            known = measure_knowledge(stretches, habits)
     return replace(model, residual={**model.residual, KEY: known.to_mapping()})
 
 
@@ -89,20 +87,22 @@ def _habit(
     return best.fit.effects if best.statistic > _PLAIN else ()
 
 
-def measure_knowledge(stretches: Sequence[Stretch]) -> Knowledge:
+def measure_knowledge(stretches: Sequence[Stretch], habits: Sequence[Applied] = ()) -> Knowledge:
     """Measure noise, known misfit and repeatability.
 
     Parameters
     ----------
     stretches
         The runs that the model was identified on.
+    habits
+        What they show anyhow, with which they were cut.
     """
     features = features_of(stretches)
     residuals = [s.residual_rad_s for s in stretches]
     uses = [s.use for s in stretches]
     noise = estimate_noise(stretches, residuals, uses)
     left, masks = residuals, uses
-    mean, root = np.zeros(0), np.zeros((0, 0))
+    mean, root = np.zeros_like(features.prior), np.zeros((0, 0))
     wander, least = (
         wander_of_shares(shares, features.top_rad_s, features.n_points, features.n_places)
         for shares in (ANY, LEAST)
@@ -110,17 +110,24 @@ def measure_knowledge(stretches: Sequence[Stretch]) -> Knowledge:
     for _ in range(_ROUNDS):
         far = spiked(stretches, left, noise, near_steps=True)
         masks = [use & ~f for use, f in zip(uses, far, strict=True)]
-        mean, root, runs, variance = _learn(features, stretches, noise, masks, wander)
+        warms = np.where(features.warms, mean, 0.0)
+        own = [
+            departures(s, features.warming(s, features.combined(s, warms)), habits)
+            * wander.deviations
+            for s in stretches
+        ]
+        mean, root, runs, variance = _learn(features, stretches, noise, masks, own)
         left = [
-            r - features.combined(s, mean) - departures(s) @ (wander.deviations * runs[s.run])
-            for s, r in zip(stretches, residuals, strict=True)
+            r - features.combined(s, mean) - o @ runs[s.run]
+            for s, r, o in zip(stretches, residuals, own, strict=True)
         ]
         wander = measured_wander(wander, least, runs, variance)
         noise = estimate_noise(stretches, left, masks)
     far = spiked(stretches, left, noise, near_steps=True, times=PLAIN)
     n_spikes, n_steady = count_steady(stretches, far)
     used_s = max(n_steady, 1) * stretches[0].context.window_s
-    return Knowledge(noise, features, mean, root, wander, n_spikes / used_s)
+    entries = tuple(applied.to_mapping() for applied in habits)
+    return Knowledge(noise, features, mean, root, wander, n_spikes / used_s, entries)
 
 
 def _learn(
@@ -128,21 +135,21 @@ def _learn(
     stretches: Sequence[Stretch],
     noise: Noise,
     masks: Sequence[Mask],
-    wander: Wander,
+    own: Sequence[Array],
 ) -> tuple[Array, Array, Array, Array]:
     """Coefficients, root of how far a run may be from them, each run's own and their variance."""
     prior = features.prior
     whiten = np.r_[1.0, -noise.ar] / noise.innovation
-    n_runs, own = 1 + max(s.run for s in stretches), wander.deviations
-    size = prior.size + own.size * n_runs
-    shown = np.zeros((own.size, size), dtype=np.bool_)
+    n_runs, n_own = 1 + max(s.run for s in stretches), own[0].shape[1]
+    size = prior.size + n_own * n_runs
+    shown = np.zeros((n_own, size), dtype=np.bool_)
     parts = []
-    for s, mask in zip(stretches, masks, strict=True):
+    for s, mask, departed in zip(stretches, masks, own, strict=True):
         shapes = np.zeros((s.context.n, size))
         shapes[:, : prior.size] = np.column_stack(list(features.columns(s))) * prior
-        at = prior.size + own.size * s.run + np.arange(own.size)
-        shapes[:, at] = departures(s) * own
-        shown[np.arange(own.size), at] |= np.any(shapes[:, at] != 0.0, axis=0)
+        at = prior.size + n_own * s.run + np.arange(n_own)
+        shapes[:, at] = departed
+        shown[np.arange(n_own), at] |= np.any(departed != 0.0, axis=0)
         level = noise.level_rad_s(s)
         white = lfilter(whiten, [1.0], shapes / level[:, None], axis=0)[mask]
         parts.append((s, white, lfilter(whiten, [1.0], s.residual_rad_s / level)[mask], mask))
@@ -161,7 +168,7 @@ def _learn(
     extra = _between(features.groups, grams, slopes)
     root = np.linalg.cholesky(covariance[: prior.size, : prior.size] + np.diag(extra**2))
     runs, variance = (
-        values[prior.size :].reshape(n_runs, own.size) for values in (theta, np.diag(covariance))
+        values[prior.size :].reshape(n_runs, n_own) for values in (theta, np.diag(covariance))
     )
     return prior * theta[: prior.size], prior[:, None] * root, runs, variance
 

@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 _ZOOM_ROUNDS, _JAGGED_ROUNDS = 2, 5
 _ZOOM_POINTS = 7
 _AT_ONCE = 64  # columns carried together
+_TAIL = 1.0  # roughness that is worth the tail at one point, or more, from a statistic of 6 on
 
 Rate = Callable[[float, Array], float]  # what a drop and its unit column are worth
 
@@ -81,6 +82,17 @@ def _matched(drop: float, column: Array) -> float:
     return along**2 / square if square > 0.0 else 0.0
 
 
+def _charged(turned: float, reached: float) -> float:
+    """Roughness to charge an effect for whose shape is its size.
+
+    A little of it lies at the beginning, where all looks alike, and must not pay for the rest of
+    the way: half of the level is kept for the first radian.
+    """
+    if turned <= 1.0:
+        return turned
+    return 2.0 * (1.0 if reached <= 1.0 else turned) + _TAIL
+
+
 class _Search:
     """One effect beside fixed ones."""
 
@@ -138,30 +150,32 @@ class _Search:
     def scan(
         self, scanned: Sequence[Parameter], sized: Sequence[Parameter]
     ) -> tuple[dict[str, float], float, float]:
-        """Try a grid of shapes; return the best, and the path that the unit column turns along."""
+        """Try a grid of shapes; return the best, and the roughness that it is charged for."""
         shapes = [
             {p.name: float(x) for p, x in zip(scanned, point, strict=True)}
             for point in product(*self.axes(scanned))
         ]
         best: tuple[dict[str, float], float] | None = None
         near: tuple[dict[str, float], float] = ({}, 0.0)
-        turned, before = 0.0, None
+        turned, reached, before = 0.0, 0.0, None
         for values, drop, column in self.best(shapes, sized):
-            if best is None or drop > best[1]:
-                best = (values, drop)
-            if self._effect.jagged:
-                near = max(near, (values, _matched(drop, column)), key=lambda found: found[1])
             size = float(np.linalg.norm(column))
             if size > 1e-9:
                 unit = column / size
                 if before is not None:
                     turned += math.acos(float(np.clip(abs(unit @ before), 0.0, 1.0)))
                 before = unit
+            if best is None or drop > best[1]:
+                best, reached = (values, drop), turned
+            if self._effect.jagged:
+                near = max(near, (values, _matched(drop, column)), key=lambda found: found[1])
         if best is None:
             raise ValueError(f"{self._effect.name}: the grid of its scanned parameters is empty")
         if near[1] > 0.0:
             best = max(best, self._caught(near, scanned), key=lambda found: found[1])
-        return *best, turned
+        if sized or self._effect.jagged:
+            return *best, turned
+        return *best, _charged(turned, reached)
 
     def axes(self, scanned: Sequence[Parameter]) -> list[Array]:
         """Return the values at which each parameter is tried first."""

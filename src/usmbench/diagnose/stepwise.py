@@ -31,6 +31,7 @@ _FEWEST_ROWS = 8.0  # that a cause has to explain better
 _LEAST_CLEAR = 0.1  # of the rows: what is left where chance cannot strike must tell something
 _MOST_OF_ROW = 100.0  # deviance: ten times the noise
 _TURNS = 4  # of weighing one of two causes given the other
+_HARDLY = 0.5  # of the noise
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,13 +119,29 @@ def _with_the_rest(problem: Problem, effects: Sequence[Effect], found: Named) ->
 
 def _holds(problem: Problem, found: Named, longer: Fit, more: Array) -> bool:
     """Whether what a further cause explains is worth a name."""
-    if found.rankings:
-        gained = (longer.statistic - found.fit.statistic) / found.spread**2
-        if not earns_its_place(gained, found.rankings[0][0]):
-            return False
+    if found.rankings and not _earned(problem, found, longer):
+        return False
     # One block alone may be an accident.
     unseen = min(float(np.sum(more)), float(np.sum(more) - np.max(more)))
     return unseen > 0.0 and _rows_behind(problem, found.fit, longer) >= _FEWEST_ROWS
+
+
+def _earned(problem: Problem, found: Named, longer: Fit) -> bool:
+    """Whether a further cause explains more than what the form of a large one may be off by.
+
+    Where those before it hardly act, none of theirs is.
+    """
+    gained = (longer.statistic - found.fit.statistic) / found.spread**2
+    if earns_its_place(gained, found.rankings[0][0]):
+        return True
+    changes = problem.change_rad_s(found.fit.effects)
+    hardly = [
+        mask & (np.abs(change) < _HARDLY * problem.noise.level_rad_s(stretch))
+        for stretch, mask, change in zip(problem.stretches, problem.masks, changes, strict=True)
+    ]
+    there = problem.with_masks(hardly)
+    before, after = (there.left(fit.effects) for fit in (found.fit, longer))
+    return float(before @ before - after @ after) > SECOND_LEAST * found.spread**2
 
 
 def _together(

@@ -188,6 +188,7 @@ def cut_runs(
                 None
                 if slopes is None
                 else TabledCurve(nodes_deg, speeds, [w[rows] for w in slopes], phase_deg),
+                None if record.count_rad is None else record.count_rad / window_s,
             )
             measured_rad_s, use = record.speed_rad_s[rows], ~outside[rows]
             at = (points, places_among(model.points, points))

@@ -1,7 +1,7 @@
 """What differs from run to run though nothing is wrong: gain, lag, friction, resonance."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.shapes import detuned_rad_s, highest_rad_s, later_rad_s_per_s, shown
 from usmbench.diagnose.stretches import Stretch
+from usmbench.model.extended import Applied, extended_run
 
 Array = NDArray[np.float64]
 
@@ -16,9 +17,13 @@ Array = NDArray[np.float64]
 # shares of the highest speed that friction takes and that a rotor loses that sticks longer.
 LEAST = (3e-4, 5e-5, 3e-6, 2e-4, 2e-4)  # repeatability that one run cannot show
 ANY = (0.05, 0.01, 1e-4, 0.02, 0.02)  # any run may be off by this while the wander is learnt
-# Shares by which a run may warm more or less than is known, and sooner or later: it starts at
-# another temperature, and no plan heats just as another does.
-WARMS_OTHERWISE = (0.25, 0.25)
+# Shares by which a run may warm more or less than is known, and sooner or later, where the runs do
+# not show it: it starts at another temperature, and no plan heats just as another does.
+_WARMS_OTHERWISE = 0.25
+# The share by which what healthy runs show anyhow may be stronger, where they do not show that.
+_STRONGER, _LEAST_STRONGER = 0.1, 0.02
+_STRONGER_STEP = 0.1
+_WARMS_ALIKE = 0.05  # where they do: not every plan is among them
 _BEST_GAIN = 2e-4  # no bench repeats better than that
 _RESONANCE = 3e-6  # by which a fifth of a kelvin moves it: no bench starts warmer by less
 _FEWEST = 0.5  # degrees of freedom that an estimate needs
@@ -47,6 +52,10 @@ class Wander:
     held_back_rad_s
         Of the speed that friction takes near standstill, at each operating point: the edges of the
         dead zone move with it.
+    warms
+        Of what a run warms more or less than is known, and sooner or later, as shares.
+    habit_share
+        Of how much stronger a run shows what healthy ones show anyhow, as a share.
     """
 
     gain: float
@@ -54,13 +63,15 @@ class Wander:
     late_s: float
     stuck_rad_s: float
     held_back_rad_s: tuple[float, ...]
+    warms: tuple[float, float] = (_WARMS_OTHERWISE, _WARMS_OTHERWISE)
+    habit_share: float = _STRONGER
 
     @property
     def deviations(self) -> Array:
         """In the order of the columns of `departures`, the resonance's among them, shape (W,)."""
         shares = (self.gain, *self.gain_tilt)
         rest = (self.late_s, _RESONANCE, self.stuck_rad_s, *self.held_back_rad_s)
-        return np.array([*shares, *rest])
+        return np.array([*shares, *rest, *self.warms, self.habit_share])
 
     def to_mapping(self) -> dict[str, Any]:
         """Return what the model file keeps."""
@@ -70,6 +81,8 @@ class Wander:
             "late_s": self.late_s,
             "stuck_rad_s": self.stuck_rad_s,
             "held_back_rad_s": list(self.held_back_rad_s),
+            "warms": list(self.warms),
+            "habit_share": self.habit_share,
         }
 
 
@@ -86,12 +99,15 @@ def wander_from_mapping(content: Mapping[str, Any]) -> Wander:
     KeyError, TypeError, ValueError
         A key is missing, or what it holds is no number.
     """
+    more, later = content["warms"]
     return Wander(
         float(content["gain"]),
         tuple(float(tilt) for tilt in content["gain_tilt"]),
         float(content["late_s"]),
         float(content["stuck_rad_s"]),
         tuple(float(held) for held in content["held_back_rad_s"]),
+        (float(more), float(later)),
+        float(content["habit_share"]),
     )
 
 
@@ -121,7 +137,7 @@ def wander_of_shares(
     )
 
 
-def departures(stretch: Stretch) -> Array:
+def departures(stretch: Stretch, warms_rad_s: Array, habits: Sequence[Applied]) -> Array:
     """Return the change of speed with each thing that wanders, in columns of shape (N, W).
 
     The crests may be faster or slower, by a share of the speed. A jump may come later. Friction may
@@ -135,6 +151,10 @@ def departures(stretch: Stretch) -> Array:
     ----------
     stretch
         The stretch.
+    warms_rad_s
+        What it is known to change as it warms, and the same sooner or later, shape (N, 2).
+    habits
+        What healthy runs show anyhow.
     """
     share = stretch.settled_rad_s / np.maximum(highest_rad_s(stretch), 1e-12)
     against = -np.clip(share / _STANDING, -1.0, 1.0) * (1.0 - np.minimum(share**2, 1.0))
@@ -146,7 +166,25 @@ def departures(stretch: Stretch) -> Array:
     fast = 2.0 * np.minimum(np.abs(share), 1.0) - 1.0
     tilted = [gain * place for place in (fast, *stretch.places)]
     late, detuned = later_rad_s_per_s(stretch), detuned_rad_s(stretch)
-    return np.column_stack((gain, *tilted, late, detuned, shown(stretch, stuck), held_back))
+    starts, habit = (shown(stretch, stuck), held_back), _stronger(stretch, habits)
+    return np.column_stack((gain, *tilted, late, detuned, *starts, warms_rad_s, habit))
+
+
+def _stronger(stretch: Stretch, habits: Sequence[Applied]) -> Array:
+    """Return the change of speed for each share by which habits are stronger, shape (N,)."""
+    if not any(not p.scanned for h in habits for p in h.effect.parameters):
+        return np.zeros(stretch.context.n)
+    more = [replace(h, values={**h.values, **_further(h)}) for h in habits]
+    usual, stronger = (extended_run(e, stretch.context).speed_rad_s for e in (habits, more))
+    return (stronger - usual) / _STRONGER_STEP
+
+
+def _further(habit: Applied) -> dict[str, float]:
+    """Sizes of a habit that is a little stronger."""
+    sized = (p for p in habit.effect.parameters if not p.scanned)
+    return {
+        p.name: p.null + (1.0 + _STRONGER_STEP) * (habit.values[p.name] - p.null) for p in sized
+    }
 
 
 def measured_wander(before: Wander, least: Wander, runs: Array, variance: Array) -> Wander:
@@ -174,7 +212,7 @@ def measured_wander(before: Wander, least: Wander, runs: Array, variance: Array)
     found = np.where(shown, found, least.deviations)
     ends = 1 + len(least.gain_tilt)
     gain, gain_tilt = float(found[0]), np.maximum(found[1:ends], least.gain_tilt)
-    late_s, _, stuck_rad_s, *held_back = found[ends:]
+    late_s, _, stuck_rad_s, *held_back = found[ends:-3]
     held_back_rad_s = np.maximum(held_back, least.held_back_rad_s).tolist()
     return Wander(
         max(gain, _BEST_GAIN),
@@ -182,4 +220,6 @@ def measured_wander(before: Wander, least: Wander, runs: Array, variance: Array)
         max(float(late_s), least.late_s),
         max(float(stuck_rad_s), least.stuck_rad_s),
         tuple(held_back_rad_s),
+        (max(float(found[-3]), _WARMS_ALIKE), max(float(found[-2]), _WARMS_ALIKE)),
+        max(float(found[-1]), _LEAST_STRONGER),
     )

@@ -1,5 +1,6 @@
 """A run in memory: columns of equal length, as every command after the sweep takes them."""
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -77,3 +78,12 @@ class Record:
     pairs: Pairs | None = None
     meta: dict[str, Any] = field(default_factory=dict)
     extra: dict[str, Column | NDArray[np.str_]] = field(default_factory=dict)
+
+    @property
+    def count_rad(self) -> float | None:
+        """Angle of one count; None where run.yaml does not say how many a revolution has."""
+        encoder = self.meta.get("encoder")
+        counts = encoder.get("counts_per_rev") if isinstance(encoder, dict) else None
+        if not isinstance(counts, int | float) or not counts > 0:
+            return None
+        return 2.0 * math.pi / counts

@@ -135,6 +135,18 @@ def test_counts_that_a_filter_swallows_by_chance_are_missed_counts(
     assert [cause.name for cause in found.causes] == ["missed_counts"]
 
 
+@pytest.mark.parametrize(
+    ("counts_per_rev", "first"), [(2000, "speed_scale"), (None, "missed_counts")]
+)
+def test_what_takes_away_no_whole_counts_is_hardly_lost_counts(
+    model: HammersteinModel, counts_per_rev: int | None, first: str
+) -> None:
+    slower = _applied("missed_counts", "of all", share_lost=0.01, above_rad_s=1.0)
+    record = replace(_measured(13, slower), meta={"encoder": {"counts_per_rev": counts_per_rev}})
+    (cause,) = diagnose([record], model).causes
+    assert cause.name == first
+
+
 def test_what_swallowed_counts_cover_is_named_from_slower_windows(model: HammersteinModel) -> None:
     rng = np.random.default_rng(3)
     offset = _applied("phase_offset", "", offset_deg=0.5)

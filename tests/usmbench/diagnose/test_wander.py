@@ -19,7 +19,7 @@ SLIP_RAD_S = {40_050.0: 0.1, 41_000.0: 1.0}  # that friction takes near standsti
 LINEAR = first_order(0.0035, 0.0015, WINDOW_S)
 BEFORE = Wander(0.01, (1e-3, 2e-3), 1e-4, 0.02, (0.1, 0.2))
 LEAST = Wander(3e-4, (5e-5, 5e-5), 3e-6, 1e-3, (1e-3, 1e-3))
-DAY = np.array([1.0, 0.2, 0.5, 0.1, 0.0, 0.3, 2.0, 0.5])
+DAY = np.array([1.0, 0.2, 0.5, 0.1, 0.0, 0.3, 2.0, 0.5, 0.4, 0.1, 0.5])
 RUNS = np.array([DAY, -DAY])
 
 
@@ -117,7 +117,9 @@ def test_friction_takes_most_near_standstill_and_nothing_at_the_top(
     plain: HammersteinModel,
 ) -> None:
     (stretch,), _ = cut_runs([_driven(1, 1.0, 1.0)], plain, ())
-    gain, _, tilted, _, _, _, *held_back = departures(stretch).T
+    gain, _, tilted, _, _, _, *held_back, _, _, _ = departures(
+        stretch, np.zeros((stretch.context.n, 2)), ()
+    ).T
     np.testing.assert_array_equal(gain, stretch.simulated_rad_s)
     np.testing.assert_array_equal(tilted, gain * stretch.places[0])
     calm, settled = stretch.lag > 8, stretch.settled_rad_s
@@ -139,6 +141,8 @@ def test_the_wander_is_the_spread_of_the_runs_and_what_their_number_leaves_open(
     assert found.late_s == pytest.approx(1e-5 * spread)
     assert found.stuck_rad_s == pytest.approx(6e-3 * spread)
     assert found.held_back_rad_s == pytest.approx((0.2 * spread, 0.1 * spread))
+    assert found.warms == pytest.approx((0.1 * spread, 0.05))
+    assert found.habit_share == pytest.approx(0.05 * spread)
 
 
 def test_a_run_that_cannot_show_a_departure_does_not_count() -> None:
@@ -148,7 +152,7 @@ def test_a_run_that_cannot_show_a_departure_does_not_count() -> None:
 
 
 def test_one_run_shows_no_wander() -> None:
-    assert measured_wander(BEFORE, LEAST, np.zeros((1, 8)), np.zeros((1, 8))) == LEAST
+    assert measured_wander(BEFORE, LEAST, np.zeros((1, 11)), np.zeros((1, 11))) == LEAST
 
 
 def test_the_wander_comes_back_from_the_model_file() -> None:

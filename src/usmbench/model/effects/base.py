@@ -84,6 +84,8 @@ class Context:
     detuning_rad_s
         How the settled speed changes with the drive frequency, relative to it: f ∂v/∂f, phases in;
         None where the model knows one frequency only.
+    count_rad_s
+        One count in a window; None where the run does not say how many a revolution has.
     """
 
     t_s: Array
@@ -94,6 +96,7 @@ class Context:
     angle_rad: Array | None = None
     temperature_c: Array | None = None
     detuning_rad_s: Callable[[Array], Array] | None = None
+    count_rad_s: float | None = None
 
     @property
     def n(self) -> int:

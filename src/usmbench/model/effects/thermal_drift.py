@@ -18,7 +18,8 @@ from usmbench.model.effects.weaker_drive import weaker
 _MEANING = "The speed changes over the run as the motor warms and its resonance moves."
 _MEND = "Warm up for longer, log the stator's temperature, and let the frequency follow it."
 _DRIFT = Parameter("final_drift", "1", 0.0, -8.0, 8.0, 0.01)
-_WARM_UP = Parameter("warm_up_s", "s", 30.0, 0.2, 3000.0, 5.0, scanned=True)
+# A drift that is over within two seconds is no warm-up: it would look like another gain.
+_WARM_UP = Parameter("warm_up_s", "s", 30.0, 2.0, 3000.0, 5.0, scanned=True)
 
 
 class ThermalDrift(Effect):
@@ -99,7 +100,7 @@ class DriftingResonance(ThermalDrift, AlongResonance):
     form = "along the resonance"
     parameters = (
         Parameter("final_shift_ppm", "ppm", 0.0, -20_000.0, 20_000.0, 10.0),
-        # A shift within a few seconds is no warm-up; it would look like another frequency.
+        # It would look like another frequency.
         replace(_WARM_UP, low=5.0),
     )
 

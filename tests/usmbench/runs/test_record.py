@@ -1,0 +1,29 @@
+"""What a run in memory tells of the bench it was measured on."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from usmbench.runs.record import Record
+
+
+def _measured(meta: dict[str, Any]) -> Record:
+    column = np.ones(3)
+    return Record("run", column, column, column, column, meta=meta)
+
+
+def test_a_count_is_a_share_of_the_revolution() -> None:
+    record = _measured({"encoder": {"counts_per_rev": 2000}})
+    assert record.count_rad == pytest.approx(math.pi / 1000.0)
+
+
+@pytest.mark.parametrize(
+    "encoder",
+    [None, {}, "HEDS-9040", {"counts_per_rev": None}, {"counts_per_rev": "many"}]
+    + [{"counts_per_rev": counts} for counts in (0, -2000, [2000], math.nan)],
+)
+def test_counts_that_are_none_leave_the_count_unknown(encoder: object) -> None:
+    assert _measured({"encoder": encoder}).count_rad is None
+    assert _measured({}).count_rad is None
