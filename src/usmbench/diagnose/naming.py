@@ -93,9 +93,8 @@ def rank(
         p_value = min(1.0, alone.p_value * len(effects))
         score = statistic - _price(effect, price)
         if effect.by_chance and not scatters(problem, fit.effects):
-            score -= max(
-                _MISFIT, telling_deviance(statistic)
-            )  # whatever explains as much goes first
+            # Whatever explains about as much goes first.
+            score -= max(_MISFIT, telling_deviance(statistic))
         found.append(Ranked(effect, fit, statistic, p_value, score))
     return sorted(found, key=lambda r: -r.score)
 

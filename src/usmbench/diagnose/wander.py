@@ -17,18 +17,16 @@ Array = NDArray[np.float64]
 # shares of the highest speed that friction takes and that a rotor loses that sticks longer.
 LEAST = (3e-4, 5e-5, 3e-6, 2e-4, 2e-4)  # repeatability that one run cannot show
 ANY = (0.05, 0.01, 1e-4, 0.02, 0.02)  # any run may be off by this while the wander is learnt
-# Shares by which a run may warm more or less than is known, and sooner or later, where the runs do
-# not show it: it starts at another temperature, and no plan heats just as another does.
-_WARMS_OTHERWISE = 0.25
-# The share by which what healthy runs show anyhow may be stronger, where they do not show that.
-_STRONGER, _LEAST_STRONGER = 0.1, 0.02
-_STRONGER_STEP = 0.1
-_WARMS_ALIKE = 0.05  # where they do: not every plan is among them
+# Shares by which a run may warm otherwise than is known, since it starts at another temperature,
+# and by which a habit may be stronger: where the runs do not show it, and the least that they show.
+_WARMS, _WARMS_ALIKE = 0.25, 0.05  # not every plan is among them
+_STRONGER, _AS_STRONG = 0.1, 0.02
 _BEST_GAIN = 2e-4  # no bench repeats better than that
 _RESONANCE = 3e-6  # by which a fifth of a kelvin moves it: no bench starts warmer by less
 _FEWEST = 0.5  # degrees of freedom that an estimate needs
 _STICKING = (0.0, 0.02, 0.05)  # shares of the highest speed: from, most, to
 _STANDING = 0.01  # of the highest speed: in the dead zone a fitted curve is not exactly 0
+_STEP = 0.1  # of a habit's size, for its derivative
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,8 +61,8 @@ class Wander:
     late_s: float
     stuck_rad_s: float
     held_back_rad_s: tuple[float, ...]
-    warms: tuple[float, float] = (_WARMS_OTHERWISE, _WARMS_OTHERWISE)
-    habit_share: float = _STRONGER
+    warms: tuple[float, float]
+    habit_share: float
 
     @property
     def deviations(self) -> Array:
@@ -134,6 +132,8 @@ def wander_of_shares(
         late_s,
         stuck * top_rad_s,
         (held_back * top_rad_s,) * n_points,
+        (_WARMS, _WARMS),
+        _STRONGER,
     )
 
 
@@ -145,7 +145,8 @@ def departures(stretch: Stretch, warms_rad_s: Array, habits: Sequence[Applied]) 
     all at the highest speed, and at each operating point by another amount, since it is the
     vibration that frees the rotor. A gain that wanders shows the latter, too: the rotor follows the
     crests but for the slip, so that the gain is off by another share at the highest speed and at
-    another frequency or torque. And a rotor that sticks may come free at a larger phase.
+    another frequency or torque. A rotor that sticks may come free at a larger phase. The motor may
+    warm more, or later. And what healthy runs show anyhow may be stronger.
 
     Parameters
     ----------
@@ -172,19 +173,15 @@ def departures(stretch: Stretch, warms_rad_s: Array, habits: Sequence[Applied]) 
 
 def _stronger(stretch: Stretch, habits: Sequence[Applied]) -> Array:
     """Return the change of speed for each share by which habits are stronger, shape (N,)."""
-    if not any(not p.scanned for h in habits for p in h.effect.parameters):
-        return np.zeros(stretch.context.n)
     more = [replace(h, values={**h.values, **_further(h)}) for h in habits]
     usual, stronger = (extended_run(e, stretch.context).speed_rad_s for e in (habits, more))
-    return (stronger - usual) / _STRONGER_STEP
+    return (stronger - usual) / _STEP
 
 
 def _further(habit: Applied) -> dict[str, float]:
     """Sizes of a habit that is a little stronger."""
     sized = (p for p in habit.effect.parameters if not p.scanned)
-    return {
-        p.name: p.null + (1.0 + _STRONGER_STEP) * (habit.values[p.name] - p.null) for p in sized
-    }
+    return {p.name: p.null + (1.0 + _STEP) * (habit.values[p.name] - p.null) for p in sized}
 
 
 def measured_wander(before: Wander, least: Wander, runs: Array, variance: Array) -> Wander:
@@ -221,5 +218,5 @@ def measured_wander(before: Wander, least: Wander, runs: Array, variance: Array)
         max(float(stuck_rad_s), least.stuck_rad_s),
         tuple(held_back_rad_s),
         (max(float(found[-3]), _WARMS_ALIKE), max(float(found[-2]), _WARMS_ALIKE)),
-        max(float(found[-1]), _LEAST_STRONGER),
+        max(float(found[-1]), _AS_STRONG),
     )

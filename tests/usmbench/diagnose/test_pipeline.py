@@ -161,6 +161,18 @@ def test_what_swallowed_counts_cover_is_named_from_slower_windows(model: Hammers
     assert found_deg.value == pytest.approx(0.5, rel=0.05)
 
 
+def test_a_small_cause_is_named_beside_a_large_one_that_hardly_acts_where_it_does(
+    model: HammersteinModel,
+) -> None:
+    rng = np.random.default_rng(3)
+    late = _applied("transport_delay", "", delay_s=0.006)
+    warms = _applied("thermal_drift", "speed", final_drift=-0.01, warm_up_s=15.0)
+    found = diagnose(
+        [_driven(np.repeat(rng.uniform(-88.0, 88.0, 100), 20), 13, late, warms)], model
+    )
+    assert [cause.name for cause in found.causes] == ["transport_delay", "thermal_drift"]
+
+
 def test_false_counts_stand_out_soon_after_a_jump(model: HammersteinModel) -> None:
     record = _measured(21)
     runs_on = np.arange(record.t_s.size) % 5 == 3

@@ -3,7 +3,12 @@
 import numpy as np
 import pytest
 
+from usmbench.diagnose.knowledge import knowledge_of
+from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.pipeline import diagnose
+from usmbench.diagnose.problem import Problem
+from usmbench.diagnose.scanning import fit_effect
+from usmbench.diagnose.stretches import cut_runs
 from usmbench.model.effects.base import Context
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.effects.registry import find_effect
@@ -38,3 +43,25 @@ def test_a_step_between_two_of_the_grid_is_found_among_random_phases(seed: int) 
     (cause,) = diagnose([record], model).causes
     assert (cause.name, cause.form) == ("phase_quantisation", effect.form)
     assert cause.parameters[0].value == pytest.approx(step_deg, rel=1e-3)
+
+
+@pytest.mark.parametrize(("delay_s", "roughness"), [(3e-4, 3.0), (0.15, 10.0)])
+def test_a_small_delay_does_not_pay_for_the_large_ones_that_were_tried(
+    delay_s: float, roughness: float
+) -> None:
+    point = OperatingPoint(None, None, CURVE, (-90.0, 90.0), (-15.0, 15.0), NOISE_RAD_S)
+    model = HammersteinModel(first_order(0.0035, 0.0, WINDOW_S), (point,), "fast")
+    draw = np.random.default_rng(5)
+    phase_deg = np.repeat(draw.uniform(-88.0, 88.0, 200), 5)
+    t_s = WINDOW_S * np.arange(1.0, phase_deg.size + 1.0)
+    context = Context(t_s, WINDOW_S, phase_deg, CURVE.speed_rad_s, model.linear)
+    effect = find_effect("transport_delay", "")
+    noise_rad_s = NOISE_RAD_S * draw.standard_normal(t_s.size)
+    speed_rad_s = extended_run([Applied(effect, {"delay_s": delay_s})], context).speed_rad_s
+    record = Record("run", t_s, phase_deg, speed_rad_s + noise_rad_s, np.full(t_s.size, WINDOW_S))
+    stretches, _ = cut_runs([record], model, ())
+    uses = [s.use for s in stretches]
+    noise = estimate_noise(stretches, [noise_rad_s], uses)
+    fit = fit_effect(Problem(stretches, knowledge_of(model), noise, uses), effect)
+    assert fit.effects[0].values["delay_s"] == pytest.approx(delay_s, rel=0.5)
+    assert (fit.roughness == roughness) if delay_s < WINDOW_S else (fit.roughness > roughness)

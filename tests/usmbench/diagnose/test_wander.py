@@ -1,5 +1,7 @@
 """What differs from run to run: what moves with it, how far, and that it is no news."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -9,6 +11,8 @@ from usmbench.diagnose.reference import with_knowledge
 from usmbench.diagnose.stretches import cut_runs
 from usmbench.diagnose.wander import Wander, departures, measured_wander, wander_from_mapping
 from usmbench.model.effects.first_order import first_order
+from usmbench.model.effects.registry import find_effect
+from usmbench.model.extended import Applied, extended_run
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
 from usmbench.model.linear import free_run
 from usmbench.runs.record import Record
@@ -17,8 +21,8 @@ Array = NDArray[np.float64]
 WINDOW_S, NOISE_RAD_S = 0.01, 0.008
 SLIP_RAD_S = {40_050.0: 0.1, 41_000.0: 1.0}  # that friction takes near standstill
 LINEAR = first_order(0.0035, 0.0015, WINDOW_S)
-BEFORE = Wander(0.01, (1e-3, 2e-3), 1e-4, 0.02, (0.1, 0.2))
-LEAST = Wander(3e-4, (5e-5, 5e-5), 3e-6, 1e-3, (1e-3, 1e-3))
+BEFORE = Wander(0.01, (1e-3, 2e-3), 1e-4, 0.02, (0.1, 0.2), (0.25, 0.25), 0.1)
+LEAST = Wander(3e-4, (5e-5, 5e-5), 3e-6, 1e-3, (1e-3, 1e-3), (0.25, 0.25), 0.1)
 DAY = np.array([1.0, 0.2, 0.5, 0.1, 0.0, 0.3, 2.0, 0.5, 0.4, 0.1, 0.5])
 RUNS = np.array([DAY, -DAY])
 
@@ -33,7 +37,13 @@ def _curve(frequency_hz: float, gain: float = 1.0, friction: float = 1.0) -> Sta
 
 
 def _driven(
-    seed: int, gain: float, friction: float, *, late_s: float = 0.0, tilt: float = 0.0
+    seed: int,
+    gain: float,
+    friction: float,
+    *,
+    late_s: float = 0.0,
+    tilt: float = 0.0,
+    warms: float = 0.0,
 ) -> Record:
     """Return a run on a day of its own, half of it at each frequency, in an order that turns."""
     n = 3000
@@ -44,6 +54,7 @@ def _driven(
     for f, side in zip(SLIP_RAD_S, (-1.0, 1.0), strict=True):
         at = frequency_hz == f
         settled[at] = _curve(f, gain + side * tilt, friction).speed_rad_s(phase_deg[at])
+    settled *= 1.0 + warms * np.expm1(-np.arange(n) * WINDOW_S / 10.0)
     linear = first_order(0.0035, 0.0015 + late_s, WINDOW_S)
     speed = free_run(linear, settled) + NOISE_RAD_S * rng.standard_normal(n)
     t_s = WINDOW_S * np.arange(1.0, n + 1.0)
@@ -111,6 +122,37 @@ def test_commands_that_meet_the_windows_sooner_or_later_are_no_news(
     assert wander.gain < 1e-3
     for seed, t in ((1, 1.2e-4), (2, -1e-4)):
         assert diagnose([_driven(seed, 1.0, 1.0, late_s=t)], model).verdict == "no_discrepancy"
+
+
+def test_the_runs_show_how_much_their_warm_up_differs(plain: HammersteinModel) -> None:
+    off = np.array([-1.2, 0.4, 1.1, -0.3, 0.9, -0.9])
+    shares = []
+    for spread in (0.0, 0.3):
+        days = enumerate(0.02 * (1.0 + spread * off), start=10)
+        model = with_knowledge(plain, [_driven(k, 1.0, 1.0, warms=w) for k, w in days])
+        shares.append(wander_from_mapping(model.residual["diagnosis"]).warms[0])
+    alike, otherwise = shares
+    assert alike < 0.1
+    assert 0.5 < otherwise / (0.3 * np.std(off, ddof=1)) < 2.0
+
+
+def test_a_habit_that_is_half_again_as_strong_is_half_of_its_departure(
+    plain: HammersteinModel,
+) -> None:
+    (stretch,), _ = cut_runs([_driven(1, 1.0, 1.0)], plain, ())
+    none = np.zeros((stretch.context.n, 2))
+    grid = Applied(find_effect("phase_quantisation", "rounded"), {"step_deg": 0.1})
+    sticking = Applied(find_effect("stick_slip", ""), {"lost_rad_s": 0.2, "fades_rad_s": 2.0})
+    more = replace(sticking, values={**sticking.values, "lost_rad_s": 0.3})
+    usual, stronger = (
+        extended_run([grid, each], stretch.context).speed_rad_s for each in (sticking, more)
+    )
+    habit = departures(stretch, none, [grid, sticking])[:, -1]
+    runs_on = np.abs(stretch.settled_rad_s) > 0.5
+    np.testing.assert_allclose(0.5 * habit[runs_on], (stronger - usual)[runs_on], atol=0.05)
+    assert np.max(np.abs(habit[runs_on])) > 0.1
+    assert not np.any(departures(stretch, none, [grid])[:, -1])
+    assert not np.any(departures(stretch, none, [])[:, -1])
 
 
 def test_friction_takes_most_near_standstill_and_nothing_at_the_top(
