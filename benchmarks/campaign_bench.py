@@ -113,7 +113,7 @@ class MotorBench:
         if defects:
             self._compare(outcome, read_run(run), draw)
         try:
-            outcome.take(self.diagnosis(run))
+            outcome.take(self.diagnosis(run), float(np.mean(excited.frequencies_hz)))
         except UsmbenchError as error:
             outcome.error = str(error)
             return outcome

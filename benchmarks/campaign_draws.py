@@ -30,15 +30,15 @@ _NAMELESS: Final = tuple(m for m in CATALOGUE if m not in _KNOWN)
 # Mechanisms of which any two can be told apart in principle, each of a size that can be drawn.
 _PAIRED: Final = _KNOWN[: _KNOWN.index("dead_direction")]
 
-TRUTHS: Final[dict[str, Callable[[float], dict[str, float]]]] = {
-    "amplifier_delay": lambda ns: {"offset_deg": -360.0 * FREQUENCY_HZ * 1e-9 * ns},
-    "command_queue": lambda ms: {"delay_s": 1e-3 * ms},
-    "other_code_wheel": lambda lines: {"scale_error": lines / 500.0},
-    "off_crystal": lambda ppm: {"frequency_error_ppm": ppm},
-    "missing_phase_bits": lambda bits: {"step_deg": 360.0 / 4096.0 * 2.0**bits},
-    "spikes": lambda per_s: {"rate_hz": per_s, "size_rad_s": COUNT_RAD_S},
+TRUTHS: Final[dict[str, Callable[[float, float], dict[str, float]]]] = {
+    "amplifier_delay": lambda ns, hz: {"offset_deg": -360.0 * hz * 1e-9 * ns},
+    "command_queue": lambda ms, _: {"delay_s": 1e-3 * ms},
+    "other_code_wheel": lambda lines, _: {"scale_error": lines / 500.0},
+    "off_crystal": lambda ppm, _: {"frequency_error_ppm": ppm},
+    "missing_phase_bits": lambda bits, _: {"step_deg": 360.0 / 4096.0 * 2.0**bits},
+    "spikes": lambda per_s, _: {"rate_hz": per_s, "size_rad_s": COUNT_RAD_S},
 }
-"""Mechanisms whose size, converted, is a parameter of the cause in the library."""
+"""Mechanisms whose size, converted at a drive frequency, is a parameter of the library's cause."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,14 +67,19 @@ class Hidden:
         """The mechanisms."""
         return tuple(parse_defect(text) for text in self.defects)
 
-    @property
-    def truth(self) -> dict[str, float]:
-        """True parameters of the cause, where the mechanism has them in the library's units."""
+    def truth(self, frequency_hz: float) -> dict[str, float]:
+        """Return the cause's true parameters, where the mechanism has them in the library's units.
+
+        Parameters
+        ----------
+        frequency_hz
+            Mean drive frequency of the run.
+        """
         if self.group != "single":
             return {}
         (defect,) = self.made
         known = TRUTHS.get(defect.mechanism)
-        return {} if known is None else known(defect.size)
+        return {} if known is None else known(defect.size, frequency_hz)
 
 
 @dataclass(frozen=True, slots=True)

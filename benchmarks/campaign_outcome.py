@@ -82,8 +82,16 @@ class Outcome:
         """Return the record's line."""
         return json.dumps({**asdict(self), "judgement": self.judgement}, ensure_ascii=False)
 
-    def take(self, found: dict[str, Any]) -> None:
-        """Keep what the campaign counts of a diagnosis."""
+    def take(self, found: dict[str, Any], frequency_hz: float) -> None:
+        """Keep what the campaign counts of a diagnosis.
+
+        Parameters
+        ----------
+        found
+            The diagnosis, as `--json` has it.
+        frequency_hz
+            Mean drive frequency of the run.
+        """
         self.verdict = found["verdict"]
         self.named = [cause["name"] for cause in found["causes"]]
         self.alternatives = [a for cause in found["causes"] for a in cause["alternatives"]]
@@ -92,7 +100,7 @@ class Outcome:
         if not self.named or self.named[0] not in self.hidden.causes:
             return
         estimates = found["causes"][0]["parameters"]
-        for name, truth in self.hidden.truth.items():
+        for name, truth in self.hidden.truth(frequency_hz).items():
             if name in estimates:
                 e = estimates[name]
                 self.intervals[name] = [truth, e["low"], e["value"], e["high"]]

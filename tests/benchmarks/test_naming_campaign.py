@@ -40,6 +40,13 @@ def test_a_large_scale_error_is_named_with_its_size_and_gain(motor_bench: MotorB
     assert value == pytest.approx(truth, abs=0.01)
 
 
+def test_a_late_amplifier_is_another_angle_at_another_frequency() -> None:
+    hidden = Hidden("single", ("amplifier_delay=40.0",), ("phase_offset",), 10.0)
+    assert hidden.truth(41_000.0) == pytest.approx({"offset_deg": -0.5904})
+    assert hidden.truth(40_000.0) == pytest.approx({"offset_deg": -0.576})
+    assert hidden.truth(40_000.0) != hidden.truth(41_000.0)
+
+
 def test_the_size_of_an_effect_is_what_no_wander_explains_and_no_handful_of_windows() -> None:
     speed, other = 5.0 * np.random.default_rng(2).standard_normal((2, 4000))
     steady, wander = np.zeros((4000, 1)), 0.01 * speed[:, None]
