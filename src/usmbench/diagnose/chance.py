@@ -82,16 +82,19 @@ def leaves_scatter(problem: Problem, effects: Sequence[Applied]) -> bool:
 def scatters(problem: Problem, effects: Sequence[Applied]) -> bool:
     """Return whether the windows that the last effect acts on scatter as much as chance leaves.
 
-    Whole counts are lost. Where the mean loss is a count and a part f, some windows lose one more
-    than others, and the square of their scatter is no less than f (1 − f) counts².
+    A counter loses whole counts. Where the mean loss is a count and a part f, some windows lose one
+    more than others, and the square of their scatter is no less than f (1 − f) counts².
 
     Parameters
     ----------
     problem
         The problem. Runs that do not say how large a count is may scatter as they like.
     effects
-        The effects, as they were fitted; the last acts by chance.
+        The effects, as they were fitted; the last acts by chance. Of what acts on something other
+        than the counter nothing is asked.
     """
+    if effects[-1].effect.stage != "counter":
+        return True
     # Neither weights nor masks: they are there to keep scatter from the fit.
     plain = problem.weighed(problem.noise, [s.use for s in problem.stretches])
     acts, least = [], 0.0
