@@ -11,6 +11,7 @@ from usmbench.diagnose.naming import SIGNIFICANT, TELLING
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.result import Estimate, NamedCause
 from usmbench.diagnose.spikes import PLAIN, isolated, spiked, steady
+from usmbench.diagnose.stretches import Mask
 from usmbench.model.effects.lone_windows import LoneWindows, SporadicEffect, Weighed
 from usmbench.model.effects.registry import library
 from usmbench.model.extended import Applied
@@ -19,6 +20,7 @@ Array = NDArray[np.float64]
 
 _FEWEST = 4
 _AS_USUAL = 2.0  # times the rate of the identified runs: their plans differ
+_OF_COUNT = 0.25  # a counter is off by whole ones
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +53,7 @@ def find_sporadic(problem: Problem, left: Sequence[Array]) -> Sporadic | None:
         Residual of each stretch without the other causes.
     """
     rows = np.concatenate([steady(s) for s in problem.stretches])
-    far = spiked(problem.stretches, left, problem.noise, near_steps=True, times=PLAIN)
+    far = _alone(problem, left)
     windows = LoneWindows(
         np.concatenate([s.simulated_rad_s for s in problem.stretches])[rows],
         np.concatenate(list(left))[rows],
@@ -86,6 +88,14 @@ def find_sporadic(problem: Problem, left: Sequence[Array]) -> Sporadic | None:
         share,
     )
     return Sporadic(Applied(effect, {e.name: e.value for e in estimates}), named, deviance)
+
+
+def _alone(problem: Problem, left: Sequence[Array]) -> list[Mask]:
+    """Windows that stand alone, and farther off than what is no count at all."""
+    far = spiked(problem.stretches, left, problem.noise, near_steps=True, times=PLAIN)
+    least_rad_s = [_OF_COUNT * (s.context.count_rad_s or 0.0) for s in problem.stretches]
+    parts = zip(far, left, least_rad_s, strict=True)
+    return [f & (np.abs(residual) > least) for f, residual, least in parts]
 
 
 def _estimates(effect: SporadicEffect, found: Weighed) -> tuple[Estimate, ...]:

@@ -173,14 +173,20 @@ def test_a_small_cause_is_named_beside_a_large_one_that_hardly_acts_where_it_doe
     assert [cause.name for cause in found.causes] == ["transport_delay", "thermal_drift"]
 
 
-def test_false_counts_stand_out_soon_after_a_jump(model: HammersteinModel) -> None:
-    record = _measured(21)
+@pytest.mark.parametrize(
+    ("counts_per_rev", "causes"),
+    [(2000, ["count_glitches"]), (None, ["count_glitches"]), (200, [])],
+)
+def test_false_counts_stand_out_soon_after_a_jump_by_a_good_part_of_a_count(
+    model: HammersteinModel, counts_per_rev: int | None, causes: list[str]
+) -> None:
+    record = replace(_measured(21), meta={"encoder": {"counts_per_rev": counts_per_rev}})
     runs_on = np.arange(record.t_s.size) % 5 == 3
     rows = np.flatnonzero(runs_on & (np.abs(record.speed_rad_s) > 3.0))[::25]
     glitches = np.zeros(runs_on.size)
     glitches[rows] = 0.5 * np.where(np.arange(rows.size) % 2, 1.0, -1.0)
     found = diagnose([replace(record, speed_rad_s=record.speed_rad_s + glitches)], model)
-    assert [cause.name for cause in found.causes] == ["count_glitches"]
+    assert [cause.name for cause in found.causes] == causes
 
 
 @pytest.mark.parametrize(("swing", "named"), [(0.0, ["load_torque"]), (0.5, [])])
