@@ -73,7 +73,7 @@ def _diagnosed(
         if reason is not None and all(e.name != name for e in testable):
             refused[name] = reason
     found = search(stretches, known, own, [e for e in testable if not e.sporadic])
-    sporadic = find_sporadic(found.problem, found.left_rad_s)
+    sporadic = find_sporadic(found.problem, found.fit.effects)
     if sporadic is not None and sporadic.named.name in {r[0].effect.name for r in found.named}:
         sporadic = None
     says = verdict_on(found, sporadic)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import poisson
 
+from usmbench.diagnose.chance import chancy_of, struck_by
 from usmbench.diagnose.naming import SIGNIFICANT, TELLING
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.result import Estimate, NamedCause
@@ -42,17 +43,22 @@ class Sporadic:
     deviance: float
 
 
-def find_sporadic(problem: Problem, left: Sequence[Array]) -> Sporadic | None:
+def find_sporadic(problem: Problem, effects: Sequence[Applied]) -> Sporadic | None:
     """Name a sporadic cause where enough windows stand alone.
 
     Parameters
     ----------
     problem
         The problem.
-    left
-        Residual of each stretch without the other causes.
+    effects
+        The other causes. Where one of them strikes by chance, its scatter covers what stands alone.
     """
-    rows = np.concatenate([steady(s) for s in problem.stretches])
+    left = problem.left_rad_s(effects)
+    calm = [steady(s) for s in problem.stretches]
+    chancy = chancy_of(effects)
+    if chancy:
+        calm = [c & ~s for c, s in zip(calm, struck_by(problem, chancy), strict=True)]
+    rows = np.concatenate(calm)
     far = _alone(problem, left)
     windows = LoneWindows(
         np.concatenate([s.simulated_rad_s for s in problem.stretches])[rows],
@@ -68,8 +74,8 @@ def find_sporadic(problem: Problem, left: Sequence[Array]) -> Sporadic | None:
         return None
     if not isolated(windows.alone, windows.speed_rad_s):
         return None
-    effects = [effect for effect in library() if isinstance(effect, SporadicEffect)]
-    weighed = [(effect, effect.weigh(windows)) for effect in effects]
+    kinds = [effect for effect in library() if isinstance(effect, SporadicEffect)]
+    weighed = [(effect, effect.weigh(windows)) for effect in kinds]
     weighed.sort(key=lambda pair: -pair[1].log_likelihood)
     (effect, best), *others = weighed
     near = [e.name for e, w in others if 2.0 * (best.log_likelihood - w.log_likelihood) < TELLING]

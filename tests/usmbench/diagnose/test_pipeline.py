@@ -173,6 +173,20 @@ def test_a_small_cause_is_named_beside_a_large_one_that_hardly_acts_where_it_doe
     assert [cause.name for cause in found.causes] == ["transport_delay", "thermal_drift"]
 
 
+def test_false_counts_are_named_from_windows_too_slow_to_swallow_any(
+    model: HammersteinModel,
+) -> None:
+    rng = np.random.default_rng(3)
+    record = _driven(np.repeat(rng.uniform(-88.0, 88.0, 100), 20), 13)
+    count_rad_s = 2.0 * np.pi / 2000.0 / WINDOW_S
+    fast = np.abs(record.speed_rad_s) > 0.95 * np.max(np.abs(record.speed_rad_s))
+    lost = 4.0 * rng.binomial(7, 0.5, fast.size) * fast
+    false = rng.choice([-1.0, 1.0], fast.size) * (rng.uniform(size=fast.size) < 0.02)
+    counted = record.speed_rad_s + count_rad_s * (false - np.sign(record.speed_rad_s) * lost)
+    found = diagnose([replace(record, speed_rad_s=counted)], model)
+    assert [cause.name for cause in found.causes] == ["missed_counts", "count_glitches"]
+
+
 @pytest.mark.parametrize(
     ("counts_per_rev", "causes"),
     [(2000, ["count_glitches"]), (None, ["count_glitches"]), (200, [])],
