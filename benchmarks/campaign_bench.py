@@ -16,15 +16,10 @@ from benchmarks.campaign_runs import FREQUENCIES_HZ, PLANS, Excited, Measured, M
 from benchmarks.campaign_sizes import noise_of, not_far_out, square_of, strength_of, well_counted
 from hil_sim.defects import Defect
 from usmbench.cli.main import main as usmbench
-from usmbench.diagnose.found import Found
 from usmbench.diagnose.gain import gain_of_blocks
-from usmbench.diagnose.knowledge import knowledge_of
-from usmbench.diagnose.pipeline import diagnose
-from usmbench.diagnose.search import search
+from usmbench.diagnose.pipeline import diagnose, own_effects, searched
 from usmbench.diagnose.stretches import cut_runs
 from usmbench.errors import UsmbenchError
-from usmbench.model.effects.registry import library
-from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.model_file import read_model, write_model
 from usmbench.model.replay import replay_record
 from usmbench.runs.reader import read_run
@@ -177,28 +172,13 @@ class MotorBench:
         (plain, _), (better, _) = _error(self.model, record), _error(self._extended, record)
         truly = plain - self.effects_rad_s(excited, defects).mean(axis=0)
         # The windows that a diagnosis of this run would score.
-        problem = searched(record, read_model(self.model)).problem
+        model = read_model(self.model)
+        problem = searched(cut_runs([record], model, own_effects(model))[0], model).problem
         ((stretch,), (mask,)) = problem.stretches, problem.masks
         rows = stretch.use & mask
         floor = problem.noise.level_rad_s(stretch)[rows]
         outcome.fresh_gain = _gain(plain[rows], better[rows], floor)
         outcome.oracle_gain = _gain(plain[rows], truly[rows], floor)
-
-
-def searched(record: Record, model: HammersteinModel) -> Found:
-    """Return what a search for causes in a run comes to.
-
-    Parameters
-    ----------
-    record
-        The run.
-    model
-        The model.
-    """
-    stretches, _ = cut_runs([record], model, ())
-    contexts = [stretch.context for stretch in stretches]
-    testable = [e for e in library() if not e.sporadic and e.untestable(contexts) is None]
-    return search(stretches, knowledge_of(model), (), testable)
 
 
 def _strikes(defects: tuple[Defect, ...]) -> bool:

@@ -20,11 +20,13 @@ from scipy.optimize import minimize
 from scipy.special import log_ndtr
 from scipy.stats import norm
 
-from benchmarks.campaign_bench import SMALL_REFERENCE_S, MotorBench, searched
+from benchmarks.campaign_bench import SMALL_REFERENCE_S, MotorBench
 from benchmarks.campaign_runs import Excited, Motor
 from benchmarks.campaign_sizes import square_of
 from benchmarks.campaign_tables import share
 from hil_sim.defects import CATALOGUE
+from usmbench.diagnose.pipeline import own_effects, searched
+from usmbench.diagnose.stretches import cut_runs
 from usmbench.model.model_file import read_model
 from usmbench.runs.reader import read_run
 
@@ -58,7 +60,8 @@ class Power:
     def __init__(self, bench: MotorBench, excited: Excited):
         self._bench, self._excited = bench, excited
         self._record = read_run(bench.measured(excited, 0))
-        found = searched(self._record, read_model(bench.model))
+        model = read_model(bench.model)
+        found = searched(cut_runs([self._record], model, own_effects(model))[0], model)
         self._problem, self._spread = found.problem, found.spread
 
     def told_size(self, mechanism: str) -> float:

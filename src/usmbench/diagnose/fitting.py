@@ -19,7 +19,8 @@ class Fit:
     statistic
         Drop of the deviance against no effect.
     roughness
-        Total variation of the normalised effect over the scan; see `p_value`.
+        Total variation of the normalised effect over the scan, in rad, or, where part of the level
+        is kept for the beginning of the scan, what comes to as much; see `p_value`.
     """
 
     effects: tuple[Applied, ...]

@@ -29,8 +29,6 @@ TELLING = 9.2  # deviance between two causes that data can tell: 99 % of chi-squ
 _SIMILAR = 0.15
 _MISFIT, _OFF = 50.0, 0.03
 _ONE_WAY = 2.0 * math.log(2.0)  # a parameter with one sign is given half the room beforehand
-_SECOND_SHARE = 0.01
-SECOND_LEAST = 40.0  # what patches bring, see "two causes" in benchmarks/naming_campaign.py
 _MATERIAL = 0.1  # of the noise's mean square
 _LEFT_EXPLAINED = 0.08
 _LEFT_PARTLY = 0.4
@@ -140,19 +138,6 @@ def same_shape(ranked: Sequence[Ranked]) -> set[str]:
     """
     best = ranked[0]
     return {r.effect.name for r in ranked if abs(r.statistic - best.statistic) < _SAME}
-
-
-def earns_its_place(gained: float, first: Ranked) -> bool:
-    """Return whether a further cause is worth naming beside the first.
-
-    Parameters
-    ----------
-    gained
-        Deviance that it explains beyond those before, over the noise's spread.
-    first
-        The first cause, as it was last weighed.
-    """
-    return gained > max(SECOND_LEAST, _SECOND_SHARE * first.statistic)
 
 
 @dataclass(frozen=True, slots=True)

@@ -47,24 +47,44 @@ def diagnose(records: Sequence[Record], model: HammersteinModel) -> Diagnosis:
     usmbench.errors.InputError
         Runs that do not belong to the model or together, or too short to say anything.
     """
-    stretches, warnings = cut_runs(records, model, _own(model))
+    stretches, warnings = cut_runs(records, model, own_effects(model))
     anew = identified_anew(stretches, model, library())
     if anew is None:
         return _diagnosed(stretches, warnings, model)
-    again, _ = cut_runs(records, anew.model, _own(anew.model))
+    again, _ = cut_runs(records, anew.model, own_effects(anew.model))
     return anew.told(_diagnosed(again, warnings, anew.model))
 
 
-def _own(model: HammersteinModel) -> tuple[Applied, ...]:
-    """Return the model's effects, and what healthy runs are known to show."""
+def own_effects(model: HammersteinModel) -> tuple[Applied, ...]:
+    """Return a model's effects, and what healthy runs are known to show.
+
+    Parameters
+    ----------
+    model
+        The model.
+    """
     return (*applied_effects(model.effects), *applied_effects(knowledge_of(model).habits))
+
+
+def searched(stretches: Sequence[Stretch], model: HammersteinModel) -> Found:
+    """Return what a search for causes comes to, those of single windows aside.
+
+    Parameters
+    ----------
+    stretches
+        The runs, cut with `own_effects` of the model.
+    model
+        The model.
+    """
+    contexts = [s.context for s in stretches]
+    effects = [e for e in library() if not e.sporadic and e.untestable(contexts) is None]
+    return search(stretches, knowledge_of(model), own_effects(model), effects)
 
 
 def _diagnosed(
     stretches: Sequence[Stretch], warnings: Sequence[str], model: HammersteinModel
 ) -> Diagnosis:
     """Diagnose a model that is taken for what it says."""
-    known, own = knowledge_of(model), _own(model)
     contexts = [s.context for s in stretches]
     reasons = {(e.name, e.form): e.untestable(contexts) for e in library()}
     testable = [e for e in library() if reasons[e.name, e.form] is None]
@@ -72,7 +92,7 @@ def _diagnosed(
     for (name, _), reason in reasons.items():
         if reason is not None and all(e.name != name for e in testable):
             refused[name] = reason
-    found = search(stretches, known, own, [e for e in testable if not e.sporadic])
+    found = searched(stretches, model)
     sporadic = find_sporadic(found.problem, found.fit.effects)
     if sporadic is not None and sporadic.named.name in {r[0].effect.name for r in found.named}:
         sporadic = None

@@ -1,4 +1,4 @@
-"""What differs from run to run though nothing is wrong: gain, lag, friction, resonance."""
+"""What differs from run to run though nothing is wrong: gain, lag, friction, warm-up, habits."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -209,7 +209,7 @@ def measured_wander(before: Wander, least: Wander, runs: Array, variance: Array)
     found = np.where(shown, found, least.deviations)
     ends = 1 + len(least.gain_tilt)
     gain, gain_tilt = float(found[0]), np.maximum(found[1:ends], least.gain_tilt)
-    late_s, _, stuck_rad_s, *held_back = found[ends:-3]
+    late_s, _, stuck_rad_s, *held_back, more, later, habit_share = found[ends:]
     held_back_rad_s = np.maximum(held_back, least.held_back_rad_s).tolist()
     return Wander(
         max(gain, _BEST_GAIN),
@@ -217,6 +217,6 @@ def measured_wander(before: Wander, least: Wander, runs: Array, variance: Array)
         max(float(late_s), least.late_s),
         max(float(stuck_rad_s), least.stuck_rad_s),
         tuple(held_back_rad_s),
-        (max(float(found[-3]), _WARMS_ALIKE), max(float(found[-2]), _WARMS_ALIKE)),
-        max(float(found[-1]), _AS_STRONG),
+        (max(float(more), _WARMS_ALIKE), max(float(later), _WARMS_ALIKE)),
+        max(float(habit_share), _AS_STRONG),
     )

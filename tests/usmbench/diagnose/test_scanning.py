@@ -2,7 +2,10 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from usmbench.diagnose.fitting import Fit
 from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.pipeline import diagnose
@@ -45,9 +48,9 @@ def test_a_step_between_two_of_the_grid_is_found_among_random_phases(seed: int) 
     assert cause.parameters[0].value == pytest.approx(step_deg, rel=1e-3)
 
 
-@pytest.mark.parametrize(("delay_s", "roughness"), [(3e-4, 3.0), (0.15, 10.0)])
+@pytest.mark.parametrize(("delay_s", "low", "high"), [(3e-4, 3.0, 3.0), (0.15, 10.0, np.inf)])
 def test_a_small_delay_does_not_pay_for_the_large_ones_that_were_tried(
-    delay_s: float, roughness: float
+    delay_s: float, low: float, high: float
 ) -> None:
     point = OperatingPoint(None, None, CURVE, (-90.0, 90.0), (-15.0, 15.0), NOISE_RAD_S)
     model = HammersteinModel(first_order(0.0035, 0.0, WINDOW_S), (point,), "fast")
@@ -64,4 +67,16 @@ def test_a_small_delay_does_not_pay_for_the_large_ones_that_were_tried(
     noise = estimate_noise(stretches, [noise_rad_s], uses)
     fit = fit_effect(Problem(stretches, knowledge_of(model), noise, uses), effect)
     assert fit.effects[0].values["delay_s"] == pytest.approx(delay_s, rel=0.5)
-    assert (fit.roughness == roughness) if delay_s < WINDOW_S else (fit.roughness > roughness)
+    assert low <= fit.roughness <= high
+
+
+@given(
+    statistic=st.floats(6.0, 500.0),
+    roughness=st.floats(0.0, 100.0),
+)
+def test_half_of_the_level_is_twice_the_roughness_and_what_the_tail_is_worth(
+    statistic: float, roughness: float
+) -> None:
+    effects = (Applied(find_effect("transport_delay", ""), {"delay_s": 1e-3}),)
+    whole = Fit(effects, statistic, roughness).p_value
+    assert min(2.0 * whole, 1.0) <= Fit(effects, statistic, 2.0 * roughness + 1.0).p_value

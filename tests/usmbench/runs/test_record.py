@@ -26,4 +26,7 @@ def test_a_count_is_a_share_of_the_revolution() -> None:
 )
 def test_counts_that_are_none_leave_the_count_unknown(encoder: object) -> None:
     assert _measured({"encoder": encoder}).count_rad is None
+
+
+def test_a_bare_table_leaves_the_count_unknown() -> None:
     assert _measured({}).count_rad is None

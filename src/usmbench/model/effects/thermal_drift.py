@@ -100,7 +100,7 @@ class DriftingResonance(ThermalDrift, AlongResonance):
     form = "along the resonance"
     parameters = (
         Parameter("final_shift_ppm", "ppm", 0.0, -20_000.0, 20_000.0, 10.0),
-        # It would look like another frequency.
+        # What is over sooner would look like another frequency.
         replace(_WARM_UP, low=5.0),
     )
 

@@ -1,0 +1,50 @@
+"""A motor known to the last figure, runs of it with effects in them, and its model."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.diagnose.reference import with_knowledge
+from usmbench.identify.fast import FastOptions, identify_fast
+from usmbench.model.effects.base import Context
+from usmbench.model.effects.first_order import first_order
+from usmbench.model.effects.registry import find_effect
+from usmbench.model.extended import Applied, extended_run
+from usmbench.model.hammerstein import HammersteinModel, StaticCurve
+from usmbench.runs.record import Record
+
+Array = NDArray[np.float64]
+WINDOW_S, NOISE_RAD_S = 0.01, 0.02
+CURVE = StaticCurve(
+    np.array([-90.0, -60, -30, -15, -8, -3, 3, 8, 15, 30, 60, 90]),
+    np.array([-10.3, -10.1, -8, 0, 0, 0, 0, 0, 0, 8, 10.2, 10.4]),
+)
+LINEAR = first_order(0.0035, 0.0015, WINDOW_S)
+
+
+def measured(seed: int, *effects: Applied, n: int = 2000) -> Record:
+    """Return a run over random phases, five windows each."""
+    rng = np.random.default_rng(seed)
+    phase_deg = np.repeat(rng.uniform(-88.0, 88.0, n // 5), 5)
+    phase_deg[:2], phase_deg[n // 2 : n // 2 + 2] = -89.0, 89.0
+    return driven(phase_deg, seed, *effects)
+
+
+def driven(phase_deg: Array, seed: int, *effects: Applied) -> Record:
+    """Return a run over given phases."""
+    n = phase_deg.size
+    t_s = WINDOW_S * np.arange(1.0, n + 1.0)
+    context = Context(t_s, WINDOW_S, phase_deg, CURVE.speed_rad_s, LINEAR)
+    speed = extended_run(effects, context).speed_rad_s
+    noisy = speed + NOISE_RAD_S * np.random.default_rng([seed, 1]).standard_normal(n)
+    return Record(f"run {seed}", t_s, phase_deg, noisy, np.full(n, WINDOW_S))
+
+
+def applied(name: str, form: str, **values: float) -> Applied:
+    """Return a cause of a size."""
+    return Applied(find_effect(name, form), values)
+
+
+def identified() -> HammersteinModel:
+    """Return the model that two healthy runs give."""
+    runs = [measured(1), measured(2)]
+    return with_knowledge(identify_fast(runs, FastOptions(12)).model, runs)
