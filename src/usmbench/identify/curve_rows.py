@@ -64,8 +64,9 @@ class CurveRows:
 def curve_rows(data: Dataset, point: int, rough: Fit) -> CurveRows:
     """Gather the samples on which a point's curve is chosen.
 
-    Where the record is made of dwells, each gives its median settled speed, and neighbouring
-    phases are held out together; else blocks of the record are held out.
+    Where the record is made of dwells that settle, at half of its phases at least, each gives its
+    median settled speed, and neighbouring phases are held out together; else blocks of the record
+    are held out.
 
     Parameters
     ----------
@@ -79,7 +80,8 @@ def curve_rows(data: Dataset, point: int, rough: Fit) -> CurveRows:
     dynamics = rough.dynamics
     forget = memory_windows(dynamics.linear_part(None))
     phases, speeds = _dwell_medians(data, point, forget)
-    if phases.size >= _FEWEST_DWELLS:
+    all_phases = np.unique(data.phase_deg(point))
+    if phases.size >= _FEWEST_DWELLS and 2 * np.unique(phases).size >= all_phases.size:
         fold = _phase_folds(phases)
         return CurveRows((phases,), (speeds,), (fold,), NONE, _standing_deg(phases, speeds))
     chosen = [k for k, s in enumerate(data.segments) if s.point == point]

@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 
 _STABLE = 0.9999
 _SHORTEST, _LONGEST = 0.02, 1e4  # time constant in windows
+_STARTING_LAGS = (0.15, 1.0, 6.0)  # windows
 _DIFFERENCE = 1e-6
 
 
@@ -206,6 +207,19 @@ class LagFamily:
         """
         pole = min(max(-float(dynamics.a[0]), 0.02), 0.999)
         return np.array([math.log(-1.0 / math.log(pole)), dynamics.dead_time_windows + 0.25])
+
+    def starts(self) -> list[Array]:
+        """Return lags from short to long, without a dead time and with a long one.
+
+        Returns
+        -------
+        list of Array
+            Parameters, shape (2,) each.
+        """
+        dead_times = {0.0, max(self.longest_dead_time - 2.0, 0.0)}
+        return [
+            np.array([math.log(lag), dead]) for lag in _STARTING_LAGS for dead in sorted(dead_times)
+        ]
 
     def moved(self, parameters: Array, step: Array) -> Array:
         """Return the sum, with both parameters kept in their bounds.

@@ -28,6 +28,7 @@ Array = NDArray[np.float64]
 _MAX_PASSES = 8
 _CLOSE = 0.1  # squared distance to the minimum, in standard deviations, over all estimates
 _FIRST_SHARE = 0.01  # of a squared distance that the first step may leave
+_FAR = 0.2  # of ln τ, of a window, of a coefficient: the search was at its minimum
 _SHRINKING = 0.25  # of the squared distance before
 
 
@@ -128,15 +129,37 @@ def _step(
         moments[point] += of_curve
         slope += of_dynamics
     slope = slope @ family.jacobian(here.parameters)
-    moved, deltas = curvature.solve(moments, slope)
+    moved, deltas = _short_step(family, here.parameters, curvature, moments, slope)
     length = float(slope @ moved) + sum(float(m @ d) for m, d in zip(moments, deltas, strict=True))
-    parameters = family.moved(here.parameters, moved)
+    parameters = here.parameters + moved
     there = Polished(
         parameters,
         family.dynamics(parameters),
         tuple(old + step for old, step in zip(here.delta, deltas, strict=True)),
     )
     return there, length / search.quietest_rad_s**2
+
+
+def _short_step(
+    family: Family,
+    parameters: Array,
+    curvature: "_Curvature",
+    moments: Sequence[Array],
+    slope: Array,
+) -> tuple[Array, list[Array]]:
+    """Newton step that holds what would go far, or leave its bounds.
+
+    In windows far longer than the lag, nothing but lag and dead time together is sure: along a
+    valley that bends, a long step between the two would end anywhere.
+    """
+    free = np.ones(slope.size, dtype=np.bool_)
+    while True:
+        moved, deltas = curvature.solve(moments, slope, free)
+        inside = family.moved(parameters, moved) == parameters + moved
+        near = inside & (np.abs(moved) < _FAR)
+        if np.all(near):
+            return moved, deltas
+        free &= near
 
 
 def _gradient(
@@ -179,8 +202,10 @@ class _Curvature:
         moment: Array = self._growth * (prior.T @ (prior @ delta))
         return moment
 
-    def solve(self, moments: Sequence[Array], slope: Array) -> tuple[Array, list[Array]]:
-        """Newton step of the dynamics and of every curve."""
+    def solve(
+        self, moments: Sequence[Array], slope: Array, free: NDArray[np.bool_]
+    ) -> tuple[Array, list[Array]]:
+        """Newton step of the free parameters of the dynamics, and of every curve."""
         halves, left = [], slope.copy()
         for factor, moment in zip(self._factors, moments, strict=True):
             n = moment.size
@@ -189,9 +214,9 @@ class _Curvature:
             left -= factor[:n, n:].T @ half
         n_shared = slope.size
         moved = np.zeros(n_shared)
-        if n_shared:
-            corner = triangle(*(f[-n_shared:, -n_shared:] for f in self._factors))
-            moved = solve_triangular(corner, solve_triangular(corner, left, trans="T"))
+        if np.any(free):
+            corner = triangle(*(f[-n_shared:, -n_shared:][:, free] for f in self._factors))
+            moved[free] = solve_triangular(corner, solve_triangular(corner, left[free], trans="T"))
         deltas = []
         for factor, half in zip(self._factors, halves, strict=True):
             n = half.size

@@ -114,7 +114,9 @@ class Shape:
         if not self.given:
             # Rough weights would hide the rows that the rough curve missed.
             stretches, start = build_design(part, self.knots_deg), self.rough.fit.parameters
-            alike = Projected(stretches, self.family, start, counted_alike(stretches), priors)
+            counted = counted_alike(stretches)
+            # Weights of dynamics that miss every change of phase would hide the changes.
+            alike = _from_afar(Projected(stretches, self.family, start, counted, priors))
         return alike.reweighted(bisquare_weights(alike, residual_scales(alike)), priors)
 
 
@@ -164,7 +166,20 @@ def _first_dynamics(
     family, alike = _family(options, found), counted_alike(stretches)
     start = family.parameters(found)
     problem = Projected(stretches, family, start, alike, _soft(data, knots_deg))
-    return family, fit_output_error(problem, _FIRST_TOLERANCE).fit.parameters
+    return family, _from_afar(problem).fit.parameters
+
+
+def _from_afar(start: Projected) -> Projected:
+    """Roughly fit the dynamics from here and from the best of lags short and long.
+
+    Rows that a rough curve misses look like a lag of another length, or like a dead time.
+    """
+    here = fit_output_error(start, _FIRST_TOLERANCE)
+    if not isinstance(start.family, LagFamily):
+        return here
+    others = [start.at(parameters) for parameters in start.family.starts()]
+    best = min(others, key=lambda other: other.fit.sse)
+    return min(here, fit_output_error(best, _FIRST_TOLERANCE), key=lambda found: found.fit.sse)
 
 
 def _soft(data: Dataset, knots_deg: Sequence[Array]) -> list[Array]:
@@ -190,7 +205,7 @@ def _degrees(data: Dataset, point: int, options: FastOptions, nb: int) -> tuple[
         degrees = (options.degree,)
     else:
         phases = np.unique(data.phase_deg(point)).size
-        degrees = tuple(d for d in DEGREES if d + 2 <= phases) or (min(DEGREES),)
+        degrees = tuple(d for d in DEGREES if d <= 1.5 * phases) or (min(DEGREES),)
     check_rows(data, min(degrees), options.na, nb, point=point)
     return degrees
 
