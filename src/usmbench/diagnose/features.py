@@ -34,6 +34,7 @@ from usmbench.diagnose.shapes import (
     hats,
     highest_rad_s,
     phase_nodes,
+    unmeasured_rad_s,
     widening,
 )
 from usmbench.diagnose.stretches import Stretch
@@ -93,6 +94,9 @@ class Features:
     steepest_rad_s
         Largest change of the speed with the relative drive frequency; None where the model knows
         one frequency only.
+    unmeasured_rad_s
+        How far off the curve may be at each node for lying between measured phases; none for
+        phases that lie close.
     """
 
     nodes_deg: tuple[float, ...]
@@ -101,6 +105,7 @@ class Features:
     n_points: int = 1
     n_places: int = 0
     steepest_rad_s: float | None = None
+    unmeasured_rad_s: tuple[float, ...] = ()
 
     @property
     def groups(self) -> list[str]:
@@ -131,7 +136,11 @@ class Features:
     def prior(self) -> Array:
         """Standard deviation of every coefficient before any run was seen, shape (K,)."""
         scale = dict.fromkeys(("phase", "direction", "resonance"), self.top_rad_s)
-        return np.array([PRIOR[g] * scale.get(g, 1.0) for g in self.groups])
+        prior = np.array([PRIOR[g] * scale.get(g, 1.0) for g in self.groups])
+        if self.unmeasured_rad_s:
+            n = PHASE_NODES * self.n_points
+            prior[:n] = np.hypot(prior[:n], np.tile(self.unmeasured_rad_s, self.n_points))
+        return prior
 
     def columns(self, stretch: Stretch) -> Iterator[Array]:
         """Yield the columns on one stretch, shape (N,) each.
@@ -248,6 +257,7 @@ class Features:
             "n_points": self.n_points,
             "n_places": self.n_places,
             "steepest_rad_s": self.steepest_rad_s,
+            "unmeasured_rad_s": list(self.unmeasured_rad_s),
         }
 
 
@@ -264,13 +274,16 @@ def features_of(stretches: Sequence[Stretch]) -> Features:
         min(p.min() for p in phase_deg), max(p.max() for p in phase_deg), _TABLE
     )
     speeds = [_at_point(stretches, k, table_deg) for k in range(len(stretches[0].points))]
+    nodes_deg = phase_nodes(table_deg, speeds)
+    measured_deg = np.unique(np.concatenate(phase_deg))
     return Features(
-        phase_nodes(table_deg, speeds),
+        nodes_deg,
         max(max(float(np.max(np.abs(s.settled_rad_s))) for s in stretches), 1e-9),
         max(float(s.context.t_s[-1]) for s in stretches),
         len(stretches[0].points),
         len(stretches[0].places),
         _steepest_rad_s(stretches),
+        unmeasured_rad_s(nodes_deg, measured_deg, table_deg, speeds),
     )
 
 

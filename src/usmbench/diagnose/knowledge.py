@@ -178,6 +178,7 @@ def _features(content: dict[str, Any]) -> Features:
         int(content.get("n_points", 1)),
         int(content.get("n_places", 0)),
         None if steepest_rad_s is None else float(steepest_rad_s),
+        tuple(float(off) for off in content.get("unmeasured_rad_s", ())),
     )
 
 

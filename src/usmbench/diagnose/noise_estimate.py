@@ -6,8 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_toeplitz
 
+from usmbench.diagnose.colour import autoregression, taken_by_fit
 from usmbench.diagnose.noise import KINDS, LAGS, STARTS, Noise, farther_out, step_kind
 from usmbench.diagnose.stretches import Mask, Stretch
 
@@ -24,7 +24,10 @@ _FAR = 4.0  # times the noise: what is farther out counts as that far
 
 
 def estimate_noise(
-    stretches: Sequence[Stretch], residuals: Sequence[Array], masks: Sequence[Mask]
+    stretches: Sequence[Stretch],
+    residuals: Sequence[Array],
+    masks: Sequence[Mask],
+    fitted: Sequence[Array] | None = None,
 ) -> Noise:
     """Estimate the noise from residuals, with medians that spikes do not move.
 
@@ -36,6 +39,9 @@ def estimate_noise(
         What is left on each, in rad/s.
     masks
         Rows that count.
+    fitted
+        Columns that were fitted to these very rows, in their standard deviations in rad/s, shape
+        (N, K) a stretch; None where the residuals are those of other runs than the fit.
     """
     phase_deg = np.concatenate([s.context.phase_deg for s in stretches])
     lag = np.concatenate([s.lag for s in stretches])
@@ -57,7 +63,7 @@ def estimate_noise(
     )
     flat = replace(flat, start_rad_s=_at_edge(stretches, residuals, masks, flat))
     flat = replace(flat, same_again=_returning(stretches, residuals, masks, flat))
-    ar, innovation = _colour(stretches, residuals, masks, flat)
+    ar, innovation = _colour(stretches, residuals, masks, flat, fitted)
     return replace(flat, ar=ar, innovation=innovation)
 
 
@@ -141,24 +147,25 @@ def _returning(
 
 
 def _colour(
-    stretches: Sequence[Stretch], residuals: Sequence[Array], masks: Sequence[Mask], flat: Noise
+    stretches: Sequence[Stretch],
+    residuals: Sequence[Array],
+    masks: Sequence[Mask],
+    flat: Noise,
+    fitted: Sequence[Array] | None,
 ) -> tuple[Array, float]:
-    """Autoregression of the standardised residual, its order by BIC."""
+    """Autoregression of the standardised residual."""
     moments = np.zeros(_HIGHEST_ORDER + 1)
     counts = np.zeros(_HIGHEST_ORDER + 1)
-    for stretch, residual, mask in zip(stretches, residuals, masks, strict=True):
-        unit = residual / flat.level_rad_s(stretch)
+    levels = [flat.level_rad_s(stretch) for stretch in stretches]
+    for level, residual, mask in zip(levels, residuals, masks, strict=True):
+        unit = residual / level
         unit = np.where(mask, np.clip(unit, -_FAR, _FAR), 0.0)
         for k in range(_HIGHEST_ORDER + 1):
             pairs = mask[k:] & mask[: mask.size - k]
             moments[k] += float(unit[k:] @ unit[: unit.size - k])
             counts[k] += np.count_nonzero(pairs)
-    covariance = moments / np.maximum(counts, 1.0)
-    best, chosen = np.inf, (np.empty(0), 1.0)
-    for order in range(_HIGHEST_ORDER + 1):
-        ar = solve_toeplitz(covariance[:order], covariance[1 : order + 1]) if order else np.empty(0)
-        left = max(float(covariance[0] - ar @ covariance[1 : order + 1]), 1e-12)
-        score = counts[0] * np.log(left) + order * np.log(max(counts[0], 2.0))
-        if score < best:
-            best, chosen = score, (np.asarray(ar, dtype=np.float64), float(np.sqrt(left)))
-    return chosen
+    left = moments / np.maximum(counts, 1.0)
+    if fitted is None:
+        return autoregression(left, counts[0])
+    rows = [f[m] / v[m, None] for f, v, m in zip(fitted, levels, masks, strict=True)]
+    return autoregression(left + taken_by_fit(rows, left, counts[0]), counts[0])

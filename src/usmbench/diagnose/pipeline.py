@@ -93,7 +93,7 @@ def _diagnosed(
         if reason is not None and all(e.name != name for e in testable):
             refused[name] = reason
     found = searched(stretches, model)
-    sporadic = find_sporadic(found.problem, found.fit.effects)
+    sporadic = find_sporadic(found.problem, found.fit.effects, found.spread)
     if sporadic is not None and sporadic.named.name in {r[0].effect.name for r in found.named}:
         sporadic = None
     says = verdict_on(found, sporadic)

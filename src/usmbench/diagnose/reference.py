@@ -100,7 +100,8 @@ def measure_knowledge(stretches: Sequence[Stretch], habits: Sequence[Applied] = 
     features = features_of(stretches)
     residuals = [s.residual_rad_s for s in stretches]
     uses = [s.use for s in stretches]
-    noise = estimate_noise(stretches, residuals, uses)
+    fitted = [_fitted(features, s) for s in stretches]
+    noise = estimate_noise(stretches, residuals, uses, fitted)
     left, masks = residuals, uses
     mean, root = np.zeros_like(features.prior), np.zeros((0, 0))
     wander, least = (
@@ -122,12 +123,19 @@ def measure_knowledge(stretches: Sequence[Stretch], habits: Sequence[Applied] = 
             for s, r, o in zip(stretches, residuals, own, strict=True)
         ]
         wander = measured_wander(wander, least, runs, variance)
-        noise = estimate_noise(stretches, left, masks)
+        noise = estimate_noise(stretches, left, masks, fitted)
     far = spiked(stretches, left, noise, near_steps=True, times=PLAIN)
     n_spikes, n_steady = count_steady(stretches, far)
     used_s = max(n_steady, 1) * stretches[0].context.window_s
     entries = tuple(applied.to_mapping() for applied in habits)
     return Knowledge(noise, features, mean, root, wander, n_spikes / used_s, entries)
+
+
+def _fitted(features: Features, stretch: Stretch) -> Array:
+    """Return what was fitted to a run: the curve, freely, and all that is learnt, (N, K)."""
+    free = np.array(features.groups) == "phase"
+    columns = np.column_stack(list(features.columns(stretch)))
+    return columns * np.where(free, features.top_rad_s, features.prior)
 
 
 def _learn(

@@ -35,6 +35,37 @@ def phase_nodes(phase_deg: Array, speeds_rad_s: Sequence[Array]) -> tuple[float,
     return tuple(float(f"{node:.6g}") for node in nodes)
 
 
+def unmeasured_rad_s(
+    nodes_deg: Sequence[float], measured_deg: Array, phase_deg: Array, speeds_rad_s: Sequence[Array]
+) -> tuple[float, ...]:
+    """Return how far off a curve may be at its nodes for lying between measured phases.
+
+    Over a gap of width h in which the slope turns by s, a curve may turn anywhere: a straight line
+    across is off by up to s h / 4.
+
+    Parameters
+    ----------
+    nodes_deg
+        The nodes.
+    measured_deg
+        Phases that were measured, rising, shape (M,).
+    phase_deg
+        Phases, evenly spaced and rising, shape (N,).
+    speeds_rad_s
+        Settled speeds there at each operating point, shape (N,) each.
+    """
+    if measured_deg.size < 2:
+        return (0.0,) * len(nodes_deg)
+    slopes = [np.gradient(s, phase_deg) for s in speeds_rad_s]
+    right = np.clip(np.searchsorted(measured_deg, nodes_deg), 1, measured_deg.size - 1)
+    off = []
+    for low, high in zip(measured_deg[right - 1], measured_deg[right], strict=True):
+        near = (phase_deg >= 2.0 * low - high) & (phase_deg <= 2.0 * high - low)
+        turn = max((float(np.ptp(slope[near])) for slope in slopes if near.any()), default=0.0)
+        off.append(float(f"{0.25 * turn * (high - low):.4g}"))
+    return tuple(off)
+
+
 def hats(values: Array, nodes: Array) -> Iterator[Array]:
     """Yield the hat function of each node, held beyond the last ones.
 

@@ -43,7 +43,7 @@ class Sporadic:
     deviance: float
 
 
-def find_sporadic(problem: Problem, effects: Sequence[Applied]) -> Sporadic | None:
+def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -> Sporadic | None:
     """Name a sporadic cause where enough windows stand alone.
 
     Parameters
@@ -52,6 +52,8 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied]) -> Sporadic | No
         The problem.
     effects
         The other causes. Where one of them strikes by chance, its scatter covers what stands alone.
+    spread
+        Standard deviation of the whitened noise: in one that has grown, no window stands alone.
     """
     left = problem.left_rad_s(effects)
     calm = [steady(s) for s in problem.stretches]
@@ -59,7 +61,7 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied]) -> Sporadic | No
     if chancy:
         calm = [c & ~s for c, s in zip(calm, struck_by(problem, chancy), strict=True)]
     rows = np.concatenate(calm)
-    far = _alone(problem, left)
+    far = _alone(problem, left, spread)
     windows = LoneWindows(
         np.concatenate([s.simulated_rad_s for s in problem.stretches])[rows],
         np.concatenate(list(left))[rows],
@@ -96,9 +98,9 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied]) -> Sporadic | No
     return Sporadic(Applied(effect, {e.name: e.value for e in estimates}), named, deviance)
 
 
-def _alone(problem: Problem, left: Sequence[Array]) -> list[Mask]:
+def _alone(problem: Problem, left: Sequence[Array], spread: float) -> list[Mask]:
     """Windows that stand alone, and farther off than what is no count at all."""
-    far = spiked(problem.stretches, left, problem.noise, near_steps=True, times=PLAIN)
+    far = spiked(problem.stretches, left, problem.noise, near_steps=True, times=PLAIN * spread)
     least_rad_s = [_OF_COUNT * (s.context.count_rad_s or 0.0) for s in problem.stretches]
     parts = zip(far, left, least_rad_s, strict=True)
     return [f & (np.abs(residual) > least) for f, residual, least in parts]

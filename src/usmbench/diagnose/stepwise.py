@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.chance import struck_by
+from usmbench.diagnose.chance import scatters, struck_by
 from usmbench.diagnose.fitting import NOTHING, Fit
 from usmbench.diagnose.gain import held_out_drop
 from usmbench.diagnose.naming import (
@@ -88,7 +88,7 @@ def name_causes(
             break
         left = noise_spread(problem, basis, longer.effects)
         found, earned = Named([*before, here], longer, left), drop
-        if here[0].effect.by_chance:
+        if here[0].effect.by_chance and scatters(problem, longer.effects):
             return _with_the_rest(problem, effects, found)
         taken = set().union(*map(same_shape, found.rankings))
         here = rank(problem, [e for e in effects if e.name not in taken], left, longer)

@@ -1,0 +1,117 @@
+"""The colour of a noise from its autocovariance, and what fitting a curve has taken from that.
+
+With columns U in their standard deviations, ``H = U (UᵀU + 1)⁻¹ Uᵀ`` is what a fit makes of the
+noise, and its residual has the covariance ``(1 − H) Σ (1 − H)``, where the noise has Σ. In a
+staircase of few windows a level a curve follows the slow part of the noise, and what is left looks
+whiter and smaller than the noise of the next run.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import matmul_toeplitz, solve_toeplitz
+from scipy.signal import lfilter
+
+Array = NDArray[np.float64]
+
+_MOST_ROWS = 3000  # beyond, a curve takes next to nothing
+_LEAST_SHARE = 1e-3  # of the noise along a direction that is worth while
+_MEMORY = 400  # windows
+_ROUNDS = 5
+_MOST_TAKEN = 1.0  # of what is left: beyond, the fit took most of the noise
+
+
+def autoregression(covariance: Array, n: float) -> tuple[Array, float]:
+    """Return the autoregressive noise with given autocovariances, its order by BIC.
+
+    Parameters
+    ----------
+    covariance
+        At each lag, shape (orders + 1,).
+    n
+        Rows that it was taken over.
+
+    Returns
+    -------
+    ar
+        Coefficients of n_t = Σ ar_i n_{t−i} + innovation, shape (p,).
+    innovation
+        Standard deviation of the innovation.
+    """
+    best, chosen = np.inf, (np.empty(0), 1.0)
+    for order in range(covariance.size):
+        ar = solve_toeplitz(covariance[:order], covariance[1 : order + 1]) if order else np.empty(0)
+        left = max(float(covariance[0] - ar @ covariance[1 : order + 1]), 1e-12)
+        score = n * np.log(left) + order * np.log(max(n, 2.0))
+        if score < best:
+            best, chosen = score, (np.asarray(ar, dtype=np.float64), float(np.sqrt(left)))
+    return chosen
+
+
+def taken_by_fit(fitted: Sequence[Array], left: Array, n: float) -> Array:
+    """Return what a fit has taken from the autocovariance of its residual.
+
+    The noise is white at first; each round takes the colour of the round before.
+
+    Parameters
+    ----------
+    fitted
+        Columns on the rows that count, in standard deviations over the noise there, shape (n_k, m)
+        a stretch.
+    left
+        Autocovariance of the residual, shape (lags,).
+    n
+        Rows that it was taken over.
+
+    Returns
+    -------
+    Array
+        At each lag, shape (lags,); 0 for so many rows that it does not matter.
+    """
+    more = np.zeros_like(left)
+    if sum(f.shape[0] for f in fitted) > _MOST_ROWS:
+        return more
+    basis, share = _hat(fitted)
+    noise = np.empty(0), float(np.sqrt(left[0]))
+    for _ in range(_ROUNDS):
+        more = _taken(basis, share, *noise, left.size)
+        more *= min(1.0, _MOST_TAKEN * left[0] / max(float(more[0]), 1e-12))
+        noise = autoregression(left + more, n)
+    return more
+
+
+def _hat(columns: Sequence[Array]) -> tuple[list[Array], Array]:
+    """Return Q, cut as the stretches are, and h of ``H = Q diag(h) Qᵀ``."""
+    stacked = np.concatenate(list(columns))
+    power, ways = np.linalg.eigh(stacked.T @ stacked)
+    share = np.maximum(power, 0.0) / (1.0 + np.maximum(power, 0.0))
+    worth = share > _LEAST_SHARE
+    basis = stacked @ (ways[:, worth] / np.sqrt(power[worth]))
+    return np.split(basis, np.cumsum([c.shape[0] for c in columns])[:-1]), share[worth]
+
+
+def _taken(
+    basis: Sequence[Array], share: Array, ar: Array, innovation: float, n_lags: int
+) -> Array:
+    """Return what a fit takes from each autocovariance of a noise: HΣ + ΣH − HΣH."""
+    answer = lfilter([innovation], np.r_[1.0, -ar], np.eye(1, 2 * _MEMORY)[0])
+    covariance = np.array([answer[k:] @ answer[: answer.size - k] for k in range(_MEMORY)])
+    spread = [_times(covariance, q) * share for q in basis]
+    inner = sum((q.T @ s for q, s in zip(basis, spread, strict=True)), np.zeros(()))
+    taken, pairs = np.zeros(n_lags), np.zeros(n_lags)
+    for q, s in zip(basis, spread, strict=True):
+        twice = s - 0.5 * (q * share) @ inner
+        for k in range(min(n_lags, q.shape[0])):
+            m = q.shape[0] - k
+            taken[k] += float(np.sum(q[:m] * twice[k:]) + np.sum(twice[:m] * q[k:]))
+            pairs[k] += m
+    return taken / np.maximum(pairs, 1.0)
+
+
+def _times(covariance: Array, columns: Array) -> Array:
+    """Multiply columns by the noise's covariance matrix."""
+    first = np.zeros(columns.shape[0])
+    known = min(first.size, covariance.size)
+    first[:known] = covariance[:known]
+    return np.asarray(matmul_toeplitz(first, columns), dtype=np.float64)
