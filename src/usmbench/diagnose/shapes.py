@@ -60,7 +60,7 @@ def unmeasured_rad_s(
     right = np.clip(np.searchsorted(measured_deg, nodes_deg), 1, measured_deg.size - 1)
     off = []
     for low, high in zip(measured_deg[right - 1], measured_deg[right], strict=True):
-        near = (phase_deg >= 2.0 * low - high) & (phase_deg <= 2.0 * high - low)
+        near = (phase_deg >= low) & (phase_deg <= high)
         turn = max((float(np.ptp(slope[near])) for slope in slopes if near.any()), default=0.0)
         off.append(float(f"{0.25 * turn * (high - low):.4g}"))
     return tuple(off)

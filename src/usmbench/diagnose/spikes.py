@@ -16,7 +16,7 @@ _GENTLE = 0.1  # the same, a window: a command that glides
 _SETTLING = 2  # windows until the noise says how sure the speed of a rotor is that turns on
 _PARTS = 8  # of the speeds, from slow to fast
 _MOST_ALONE, _MOST_IN_PART = 0.1, 0.25  # more is no exception
-PLAIN = 8.0  # so far that only a miscount remains
+PLAIN = 7.0  # so far that only a miscount remains
 FAR = 6.0  # standard deviations: once in 5·10⁸ windows of normal noise
 
 

@@ -109,7 +109,7 @@ def _with_the_rest(problem: Problem, effects: Sequence[Effect], found: Named) ->
     basis = omnibus(clear)["all"]
     spread = noise_spread(clear, basis, ())
     rest = name_causes(clear, basis, rank(clear, others, spread), others, spread)
-    if rest.fit.statistic < _SECOND_LEAST * spread**2:
+    if not rest.rankings:
         return found
     together = (chance, *rest.fit.effects)
     left = problem.left(together)

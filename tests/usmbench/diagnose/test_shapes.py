@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from usmbench.diagnose.shapes import shown
+from usmbench.diagnose.shapes import shown, unmeasured_rad_s
 from usmbench.diagnose.stretches import Stretch, cut_runs
 from usmbench.identify.dynamics import LagFamily
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
@@ -46,3 +46,15 @@ def test_a_run_with_a_torque_limit_does_not_grow_in_proportion_to_the_gain() -> 
     settled = stretch.use & (stretch.lag > 3)
     again = shown(stretch, stretch.settled_rad_s)[settled]
     assert again == pytest.approx(stretch.simulated_rad_s[settled], abs=0.02)
+
+
+def test_a_curve_between_measured_phases_is_as_unsure_as_a_corner_there_would_make_it() -> None:
+    table_deg = np.linspace(-90.0, 90.0, 1801)
+    corner = 0.2 * np.maximum(table_deg - 14.0, 0.0)
+    measured_deg = np.r_[np.arange(-90.0, 0.0, 0.1), np.arange(0.0, 91.0, 10.0)]
+    nodes_deg = (-45.03, 3.0, 15.0, 34.0)
+    off = unmeasured_rad_s(nodes_deg, measured_deg, table_deg, [corner])
+    # A line across from 10 to 20 degrees is off by 0.6 of 0.2 of 4 degrees at the corner.
+    assert 0.48 <= off[2] <= 0.6
+    assert (off[0], off[1], off[3]) == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
+    assert unmeasured_rad_s(nodes_deg, measured_deg[:1], table_deg, [corner]) == (0.0,) * 4

@@ -1,0 +1,294 @@
+"""Plain runs in CSV files, short ones among them, through the commands: what is named.
+
+    python benchmarks/naming_from_csv.py [--seed 1] [--draws 8] [--small]
+
+Where naming_campaign.py drives the simulated testbed, here a motor of a few lines is sampled into
+one or three reference files and a measured one, of 200, 600 or 2000 windows of 10 or 30 ms, with
+white or coloured noise. `usmbench identify` and `usmbench diagnose` see the files and nothing else.
+"""
+
+import argparse
+import contextlib
+import io
+import json
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+from zlib import crc32
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.campaign_tables import share
+from benchmarks.plain_motor import (
+    KINDS,
+    PlainMotor,
+    Wrong,
+    motor_of,
+    noise_rad_s,
+    plan_deg,
+    size_for,
+    sizes_of,
+    speed_rad_s,
+    write_csv,
+)
+from usmbench.cli.main import main as usmbench
+
+Array = NDArray[np.float64]
+
+CAUSES = (
+    "phase_offset",
+    "gain_asymmetry",
+    "speed_scale",
+    "thermal_drift",
+    "dead_zone_hysteresis",
+    "load_torque",
+    "missed_counts",
+    "encoder_eccentricity",
+    "transport_delay",
+    "slow_dynamics",
+    "phase_quantisation",
+    "count_glitches",
+)
+OUTSIDE, NOTHING = "outside", "nothing"
+_TIMES_NOISE = (1.5, 0.5)
+_HEALTHY = 6  # as many draws as a cause has
+
+
+@dataclass(frozen=True, slots=True)
+class Conditions:
+    """How a motor is driven and measured.
+
+    Parameters
+    ----------
+    kind, n, top_deg
+        Of the plan: its kind, windows, largest phase.
+    window_s
+        Duration of a window.
+    noise_rad_s, colour
+        Standard deviation of the noise, and its correlation from window to window.
+    n_references
+        Healthy runs that the model is identified from.
+    """
+
+    kind: str
+    n: int
+    top_deg: float
+    window_s: float
+    noise_rad_s: float
+    colour: float
+    n_references: int
+
+    def phase_deg(self, rng: np.random.Generator) -> Array:
+        """Return a run's phases, shape (n,).
+
+        Parameters
+        ----------
+        rng
+            Where chance comes from.
+        """
+        return plan_deg(self.kind, self.n, self.top_deg, rng)
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What came out of a draw.
+
+    Parameters
+    ----------
+    cause
+        The cause that was hidden, "outside" or "nothing".
+    times_noise
+        Its root mean square over the noise's.
+    conditions
+        How the motor was driven.
+    names
+        What was named, each with its alternatives.
+    verdict
+        The verdict, or what a command said that ended with an error.
+    """
+
+    cause: str
+    times_noise: float
+    conditions: Conditions
+    names: tuple[tuple[str, ...], ...]
+    verdict: str
+
+    @property
+    def right(self) -> bool:
+        """Whether that is the answer one would wish."""
+        if self.cause in (OUTSIDE, NOTHING):
+            wanted = ("no_discrepancy",) if self.cause == NOTHING else ("unexplained",)
+            return not self.names and (self.cause == OUTSIDE or self.verdict in wanted)
+        return bool(self.names) and self.names[0][0] == self.cause
+
+    @property
+    def in_set(self) -> bool:
+        """Whether the cause is named or an alternative."""
+        return self.right or any(self.cause in names for names in self.names)
+
+
+def conditions_of(rng: np.random.Generator) -> Conditions:
+    """Draw the conditions.
+
+    Parameters
+    ----------
+    rng
+        Where chance comes from.
+    """
+    return Conditions(
+        str(rng.choice(KINDS)),
+        int(rng.choice([200, 600, 2000])),
+        float(rng.choice([60.0, 90.0, 120.0])),
+        float(rng.choice([0.01, 0.03])),
+        float(rng.choice([0.01, 0.03, 0.08])),
+        float(rng.choice([0.0, 0.0, 0.6])),
+        int(rng.choice([1, 3])),
+    )
+
+
+def draw(seed: int, number: int, cause: str, times_noise: float) -> Outcome:
+    """Draw a motor, its runs and what is wrong; identify and diagnose.
+
+    Parameters
+    ----------
+    seed, number
+        What fixes the draw, beside the cause and its strength.
+    cause
+        The cause to hide, "outside" or "nothing".
+    times_noise
+        Root mean square of what it does, over the noise's.
+    """
+    rng = np.random.default_rng([seed, number, crc32(cause.encode()), round(100 * times_noise)])
+    motor, how, phase_deg, size = _drawn(rng, cause, times_noise)
+    wrong = Wrong() if cause == NOTHING else Wrong(cause, size)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        references = [str(folder / f"healthy{k}.csv") for k in range(how.n_references)]
+        for path in references:
+            _measure(Path(path), motor, how, how.phase_deg(rng), Wrong(), rng)
+        _measure(folder / "measured.csv", motor, how, phase_deg, wrong, rng)
+        names, verdict = _diagnosed(folder, references)
+    return Outcome(cause, times_noise, how, names, verdict)
+
+
+def _drawn(
+    rng: np.random.Generator, cause: str, times_noise: float
+) -> tuple[PlainMotor, Conditions, Array, float]:
+    """Draw motor and conditions until some size of the cause does as much."""
+    while True:
+        motor, how = motor_of(rng), conditions_of(rng)
+        phase_deg = how.phase_deg(rng)
+        if cause == NOTHING:
+            return motor, how, phase_deg, 0.0
+        size = _size(motor, how, phase_deg, cause, times_noise)
+        if size is not None:
+            return motor, how, phase_deg, size
+
+
+def _size(
+    motor: PlainMotor, how: Conditions, phase_deg: Array, cause: str, times_noise: float
+) -> float | None:
+    """Size at which a cause does as much; None for none."""
+
+    def speed(wrong: Wrong) -> Array:
+        rng = np.random.default_rng(0)
+        return speed_rad_s(motor, phase_deg, how.window_s, wrong, rng)[0]
+
+    healthy = speed(Wrong())
+    return size_for(
+        lambda size: float(np.sqrt(np.mean((speed(Wrong(cause, size)) - healthy) ** 2))),
+        sizes_of(cause),
+        times_noise * how.noise_rad_s,
+    )
+
+
+def _measure(
+    path: Path,
+    motor: PlainMotor,
+    how: Conditions,
+    phase_deg: Array,
+    wrong: Wrong,
+    rng: np.random.Generator,
+) -> None:
+    speed, angle_rad = speed_rad_s(motor, phase_deg, how.window_s, wrong, rng)
+    noisy = speed + noise_rad_s(how.n, how.noise_rad_s, how.colour, rng)
+    write_csv(path, phase_deg, noisy, angle_rad, how.window_s)
+
+
+def _diagnosed(folder: Path, references: Sequence[str]) -> tuple[tuple[tuple[str, ...], ...], str]:
+    """Names with their alternatives, and the verdict."""
+    model, result = str(folder / "model.yaml"), folder / "result.json"
+    measured = str(folder / "measured.csv")
+    said = io.StringIO()
+    with contextlib.redirect_stderr(said), contextlib.redirect_stdout(io.StringIO()):
+        failed = usmbench(["identify", *references, "--out", model]) or usmbench(
+            ["diagnose", measured, "--model", model, "--json", str(result)]
+        )
+    if failed:
+        return (), said.getvalue().strip()
+    found = json.loads(result.read_text(encoding="utf-8"))
+    names = tuple((c["name"], *c["alternatives"]) for c in found["causes"])
+    return names, str(found["verdict"])
+
+
+def report(outcomes: Sequence[Outcome]) -> None:
+    """Print the tables.
+
+    Parameters
+    ----------
+    outcomes
+        Of the draws.
+    """
+    for times_noise in sorted({o.times_noise for o in outcomes}, reverse=True):
+        print(f"\n{times_noise:g} x noise{'':28} right first        in the set")
+        rows = [o for o in outcomes if o.times_noise == times_noise and o.cause != NOTHING]
+        for cause in dict.fromkeys(o.cause for o in rows):
+            _line(cause, [o for o in rows if o.cause == cause])
+        _line("all of the library", [o for o in rows if o.cause != OUTSIDE])
+    healthy = [o for o in outcomes if o.cause == NOTHING]
+    print("\nnothing hidden" + " " * 22 + "said so            and nothing named")
+    for n in sorted({o.conditions.n for o in healthy}):
+        _line(f"{n} windows", [o for o in healthy if o.conditions.n == n])
+    _line("all", healthy)
+
+
+def _line(name: str, rows: Sequence[Outcome]) -> None:
+    columns = (sum(o.right for o in rows), sum(o.in_set or not o.names for o in rows))
+    if rows[0].cause not in (OUTSIDE, NOTHING):
+        columns = (columns[0], sum(o.in_set for o in rows))
+    shares = [share(k, len(rows)) for k in columns]
+    shown = "  ".join(
+        f"{100 * mean:5.1f} ({100 * low:3.0f}-{100 * high:3.0f} %)" for mean, low, high in shares
+    )
+    print(f"{name:32} {shown} of {len(rows)}")
+
+
+def main(argv: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--draws", type=int, default=8, help="of each cause and strength")
+    parser.add_argument("--wrong", action="store_true", help="list what came out wrong, too")
+    parser.add_argument("--small", action="store_true", help="one draw of three causes")
+    arguments = parser.parse_args(argv)
+    n_causes, n_strengths, draws = (3, 1, 1) if arguments.small else (None, None, arguments.draws)
+    causes, strengths = (*CAUSES, OUTSIDE)[:n_causes], _TIMES_NOISE[:n_strengths]
+    wanted = [(c, s, k) for s in strengths for c in causes for k in range(draws)]
+    wanted += [(NOTHING, strengths[0], k) for k in range(_HEALTHY * draws)]
+    with get_context("spawn").Pool() as pool:
+        jobs = [pool.apply_async(draw, (arguments.seed, k, c, s)) for c, s, k in wanted]
+        outcomes = [job.get() for job in jobs]
+    report(outcomes)
+    for outcome in outcomes if arguments.wrong else ():
+        if not outcome.right:
+            print(outcome)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

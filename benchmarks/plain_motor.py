@@ -1,0 +1,263 @@
+"""A motor of a few lines, and what may be wrong with it, for runs in plain CSV files.
+
+A curve with a dead zone, a lag, coloured noise: no torque, no slip, no warm-up. It shares nothing
+with the simulated testbed nor with the model. A window is averaged over fine steps.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+Array = NDArray[np.float64]
+
+KINDS = ("staircase", "triangle", "multisine", "random")
+FINE = 40  # steps a window
+_GLITCHES = 0.02  # share of windows
+_OFF_COUNT = 0.6  # of the highest speed: counts are lost above
+
+
+@dataclass(frozen=True, slots=True)
+class PlainMotor:
+    """A motor.
+
+    Parameters
+    ----------
+    edges_deg
+        Where the dead zone ends on both sides, as sizes.
+    reach_deg
+        How far beyond the speed saturates.
+    top_rad_s
+        Highest speed.
+    lag_s
+        Time constant.
+    """
+
+    edges_deg: tuple[float, float]
+    reach_deg: float
+    top_rad_s: float
+    lag_s: float
+
+    def settled_rad_s(self, phase_deg: Array) -> Array:
+        """Return the settled speed, shape (N,).
+
+        Parameters
+        ----------
+        phase_deg
+            The phase, shape (N,).
+        """
+        low, high = self.edges_deg
+        beyond = np.maximum(phase_deg - high, 0.0) - np.maximum(-phase_deg - low, 0.0)
+        settled: Array = self.top_rad_s * np.tanh(beyond / self.reach_deg)
+        return settled
+
+
+@dataclass(frozen=True, slots=True)
+class Wrong:
+    """What is wrong with a run, at most one thing.
+
+    Parameters
+    ----------
+    cause
+        Its name; empty for nothing.
+    size
+        Its size, in the unit of the cause: deg, s, rad/s or a share.
+    """
+
+    cause: str = ""
+    size: float = 0.0
+
+    def of(self, cause: str) -> float:
+        """Return the size of a cause, 0 where it is another.
+
+        Parameters
+        ----------
+        cause
+            The name.
+        """
+        return self.size if cause == self.cause else 0.0
+
+
+def motor_of(rng: np.random.Generator) -> PlainMotor:
+    """Draw a motor.
+
+    Parameters
+    ----------
+    rng
+        Where chance comes from.
+    """
+    edge_deg = rng.uniform(6.0, 25.0)
+    return PlainMotor(
+        (edge_deg * rng.uniform(0.9, 1.1), edge_deg),
+        rng.uniform(25.0, 60.0),
+        rng.uniform(5.0, 13.0),
+        rng.uniform(0.0025, 0.0052),
+    )
+
+
+def plan_deg(kind: str, n: int, top_deg: float, rng: np.random.Generator) -> Array:
+    """Return the phases of a plan, shape (n,).
+
+    Parameters
+    ----------
+    kind
+        One of `KINDS`.
+    n
+        Windows.
+    top_deg
+        Largest phase.
+    rng
+        Where chance comes from.
+    """
+    if kind == "staircase":
+        levels_deg = np.linspace(-top_deg, top_deg, 13 if n < 600 else 25)
+        once = np.r_[levels_deg, levels_deg[::-1]]
+        return np.resize(np.repeat(once, n // once.size // max(1, n // 800)), n)
+    if kind == "triangle":
+        along = np.arange(n) * max(2, n // 250) / n
+        return np.round(top_deg * (1.0 - 4.0 * np.abs(along % 1.0 - 0.5)), 1)
+    if kind == "random":
+        return np.repeat(np.round(rng.uniform(-top_deg, top_deg, -(-n // 6)), 1), 6)[:n]
+    tones = np.arange(1, max(3, n // 16))
+    turned = 4.0 * np.pi / n * np.outer(np.arange(n), tones)
+    waves = np.cos(turned + rng.uniform(0.0, 2.0 * np.pi, tones.size)) @ tones**-0.5
+    return np.asarray(np.round(top_deg * waves / np.max(np.abs(waves)), 1))
+
+
+def speed_rad_s(
+    motor: PlainMotor,
+    phase_deg: Array,
+    window_s: float,
+    wrong: Wrong,
+    rng: np.random.Generator,
+) -> tuple[Array, Array]:
+    """Return what is measured but for the noise, and the shaft's angle, shape (N,) each.
+
+    Parameters
+    ----------
+    motor
+        The motor.
+    phase_deg
+        Commanded phases, shape (N,).
+    window_s
+        Duration of a window.
+    wrong
+        What is wrong: a cause of the library, or "outside", a belt that beats.
+    rng
+        Where chance comes from, for what strikes single windows.
+    """
+    step_s = window_s / FINE
+    commanded_deg = _commanded(np.repeat(phase_deg, FINE), step_s, wrong)
+    driven = _settled(motor, commanded_deg, step_s, wrong)
+    kept = np.exp(-step_s / (motor.lag_s + wrong.of("slow_dynamics")))
+    after = lfilter([1.0 - kept], [1.0, -kept], driven, zi=[kept * driven[0]])[0]
+    fine = 0.5 * (after + np.r_[driven[0], after[:-1]])
+    angle_rad = np.cumsum(fine) * step_s
+    fine = fine * (1.0 + wrong.of("encoder_eccentricity") * np.cos(angle_rad + 1.0))
+    return _counted(fine.reshape(-1, FINE).mean(axis=1), wrong, rng), angle_rad[FINE - 1 :: FINE]
+
+
+def _commanded(phase_deg: Array, step_s: float, wrong: Wrong) -> Array:
+    """Phases that reach the motor."""
+    moved = phase_deg + wrong.of("phase_offset")
+    if grid_deg := wrong.of("phase_quantisation"):
+        moved = np.round(moved / grid_deg) * grid_deg
+    late = round(wrong.of("transport_delay") / step_s)
+    return moved[np.maximum(np.arange(moved.size) - late, 0)]
+
+
+def _settled(motor: PlainMotor, phase_deg: Array, step_s: float, wrong: Wrong) -> Array:
+    """Settled speed of what the motor and its load make of the phases."""
+    settled = motor.settled_rad_s(phase_deg)
+    if later_deg := wrong.of("dead_zone_hysteresis"):
+        starts = motor.settled_rad_s(phase_deg - np.sign(phase_deg) * later_deg) != 0.0
+        goes, turning = np.zeros(settled.size, dtype=np.bool_), False
+        for k, (speed, start) in enumerate(zip(settled, starts, strict=True)):
+            turning = bool(speed != 0.0 and (turning or start))
+            goes[k] = turning
+        settled = settled * goes
+    settled = settled * (1.0 + wrong.of("speed_scale") + wrong.of("gain_asymmetry") * (settled > 0))
+    t_s = step_s * np.arange(settled.size)
+    settled = settled * (1.0 - wrong.of("thermal_drift") * -np.expm1(-2.5 * t_s / t_s[-1]))
+    dragged: Array = np.sign(settled) * np.maximum(np.abs(settled) - wrong.of("load_torque"), 0.0)
+    return dragged
+
+
+def _counted(speed_rad_s: Array, wrong: Wrong, rng: np.random.Generator) -> Array:
+    """Speed that the counter makes of it."""
+    size, limit = np.abs(speed_rad_s), _OFF_COUNT * float(np.max(np.abs(speed_rad_s)))
+    lost = wrong.of("missed_counts") * np.maximum(size - limit, 0.0)
+    hit = rng.random(size.size) < _GLITCHES
+    false = wrong.of("count_glitches") * hit * rng.choice([-1.0, 1.0], size.size)
+    belt = wrong.of("outside") * np.sin(0.86 * np.arange(size.size)) * (size > 0.0)
+    counted: Array = np.sign(speed_rad_s) * (size - lost) + false + belt
+    return np.abs(counted) if wrong.of("unsigned_counts") else counted
+
+
+def noise_rad_s(n: int, size: float, colour: float, rng: np.random.Generator) -> Array:
+    """Return autoregressive noise, shape (n,).
+
+    Parameters
+    ----------
+    n
+        Windows.
+    size
+        Standard deviation.
+    colour
+        Correlation from window to window.
+    rng
+        Where chance comes from.
+    """
+    white = np.sqrt(1.0 - colour**2) * rng.standard_normal(n + 100)
+    return np.asarray(size * lfilter([1.0], [1.0, -colour], white)[100:])
+
+
+def sizes_of(cause: str) -> Array:
+    """Return the sizes that a cause may have, rising, shape (K,).
+
+    Parameters
+    ----------
+    cause
+        Its name. A generator's grid is that of a register of some bits.
+    """
+    if cause == "phase_quantisation":
+        return np.asarray(360.0 / 2.0 ** np.arange(14.0, 2.0, -1.0))
+    return np.geomspace(1e-5, 100.0, 90)
+
+
+def size_for(effect_rms: Callable[[float], float], sizes: Array, wanted: float) -> float | None:
+    """Return the first size at which an effect's root mean square is as wanted; None for none.
+
+    Parameters
+    ----------
+    effect_rms
+        Root mean square at a size.
+    sizes
+        Sizes to try, rising, shape (K,).
+    wanted
+        In the unit of the root mean square.
+    """
+    return next((float(size) for size in sizes if effect_rms(float(size)) >= wanted), None)
+
+
+def write_csv(
+    path: Path, phase_deg: Array, speed: Array, angle_rad: Array, window_s: float
+) -> None:
+    """Write a run as a bare CSV file.
+
+    Parameters
+    ----------
+    path
+        The file.
+    phase_deg, speed, angle_rad
+        Its columns, shape (N,) each; the speed in rad/s.
+    window_s
+        Duration of a window.
+    """
+    t_s = window_s * np.arange(1.0, phase_deg.size + 1.0)
+    table = np.column_stack((t_s, phase_deg, speed, angle_rad))
+    head = "t_s,phase_deg,speed_rad_s,angle_rad"
+    np.savetxt(path, table, delimiter=",", header=head, comments="", fmt="%.9g")

@@ -1,0 +1,67 @@
+"""What a fit takes from the colour of its residual is given back."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.linalg import toeplitz
+from scipy.signal import lfilter
+
+from usmbench.diagnose.colour import autoregression, taken_by_fit
+
+Array = NDArray[np.float64]
+
+LAGS = 7
+
+
+def _autocovariance(rows: Array) -> Array:
+    n = rows.size
+    return np.array([rows[k:] @ rows[: n - k] / (n - k) for k in range(LAGS)])
+
+
+def _slow(covariance: Array, n: int) -> float:
+    """Standard deviation of the noise's slowest part, in that of a white one's."""
+    ar, innovation = autoregression(covariance, n)
+    return innovation / float(1.0 - ar.sum())
+
+
+@given(
+    colour=st.floats(-0.3, 0.8),
+    windows_a_level=st.integers(4, 30),
+    seed=st.integers(0, 1000),
+)
+@settings(max_examples=10, deadline=None)
+def test_the_noise_of_a_staircase_is_what_it_was_before_its_levels_were_fitted(
+    colour: float, windows_a_level: int, seed: int
+) -> None:
+    levels = np.repeat(np.r_[np.arange(20), np.arange(20)[::-1]], windows_a_level)
+    basis, n = np.eye(20)[levels], levels.size
+    rng, bare, mended = np.random.default_rng(seed), [], []
+    for _ in range(40):
+        noise = lfilter([1.0], [1.0, -colour], rng.standard_normal(n + 50))[50:]
+        left = noise - basis @ np.linalg.lstsq(basis, noise, rcond=None)[0]
+        covariance = _autocovariance(left)
+        bare.append(_slow(covariance, n))
+        mended.append(_slow(covariance + taken_by_fit([1e3 * basis], covariance, n), n))
+    true = 1.0 / (1.0 - colour)
+    assert abs(np.median(mended) / true - 1.0) < 0.2
+    assert abs(np.median(mended) / true - 1.0) < abs(np.median(bare) / true - 1.0) + 0.05
+
+
+def test_a_ridge_takes_what_its_hat_matrix_says() -> None:
+    rng = np.random.default_rng(3)
+    columns = rng.standard_normal((60, 5)) * np.array([3.0, 1.0, 0.3, 0.1, 0.01])
+    hat = columns @ np.linalg.solve(columns.T @ columns + np.eye(5), columns.T)
+    noise = toeplitz(np.r_[1.0, np.zeros(59)])
+    taken = hat @ noise + noise @ hat - hat @ noise @ hat
+    wanted = [float(np.mean(np.diag(taken, k))) for k in range(LAGS)]
+    # White in, white again after each round: the autoregression keeps order 0.
+    found = taken_by_fit([columns], np.eye(1, LAGS)[0] * (1.0 - wanted[0]), 60)
+    assert found[0] == pytest.approx(wanted[0], rel=0.02)
+    assert found[1:] == pytest.approx(wanted[1:], abs=0.02)
+
+
+def test_a_long_record_is_left_alone() -> None:
+    left = np.r_[1.0, np.zeros(LAGS - 1)]
+    assert not np.any(taken_by_fit([np.ones((4000, 1))], left, 4000))
