@@ -15,6 +15,7 @@ from scipy.signal import lfilter
 
 Array = NDArray[np.float64]
 
+_EXACT = 1e-6
 _MOST_ROWS = 3000  # beyond, a curve takes next to nothing
 _LEAST_SHARE = 1e-3  # of the noise along a direction that is worth while
 _MEMORY = 400  # windows
@@ -42,7 +43,9 @@ def autoregression(covariance: Array, n: float) -> tuple[Array, float]:
     best, chosen = np.inf, (np.empty(0), 1.0)
     for order in range(covariance.size):
         ar = solve_toeplitz(covariance[:order], covariance[1 : order + 1]) if order else np.empty(0)
-        left = max(float(covariance[0] - ar @ covariance[1 : order + 1]), 1e-12)
+        left = float(covariance[0] - ar @ covariance[1 : order + 1])
+        if not left > _EXACT * float(covariance[0]):
+            break  # no noise has these autocovariances, or the next value follows from the last
         score = n * np.log(left) + order * np.log(max(n, 2.0))
         if score < best:
             best, chosen = score, (np.asarray(ar, dtype=np.float64), float(np.sqrt(left)))

@@ -65,3 +65,10 @@ def test_a_ridge_takes_what_its_hat_matrix_says() -> None:
 def test_a_long_record_is_left_alone() -> None:
     left = np.r_[1.0, np.zeros(LAGS - 1)]
     assert not np.any(taken_by_fit([np.ones((4000, 1))], left, 4000))
+
+
+@given(st.lists(st.floats(-1.5, 1.5), min_size=LAGS - 1, max_size=LAGS - 1))
+def test_autocovariances_that_no_noise_has_still_give_a_stable_noise(others: list[float]) -> None:
+    ar, innovation = autoregression(np.array([1.0, *others]), 50)
+    assert 0.0 < innovation <= 1.0
+    assert np.max(np.abs(np.roots(np.r_[1.0, -ar])), initial=0.0) < 1.0
