@@ -205,7 +205,7 @@ def _degrees(data: Dataset, point: int, options: FastOptions, nb: int) -> tuple[
         degrees = (options.degree,)
     else:
         phases = np.unique(data.phase_deg(point)).size
-        degrees = tuple(d for d in DEGREES if d <= 1.5 * phases) or (min(DEGREES),)
+        degrees = tuple(d for d in DEGREES if d < phases) or (min(DEGREES),)
     check_rows(data, min(degrees), options.na, nb, point=point)
     return degrees
 
