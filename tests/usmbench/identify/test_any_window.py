@@ -35,5 +35,4 @@ def test_the_free_run_leaves_noise_and_answers_in_time(kind: str, windows_a_lag:
         # Ramps do not tell a lag from a dead time, and long windows neither.
         answer_s = (time_constant_s(linear) or 0.0) + (dead_time_s(linear) or 0.0)
         assert abs(answer_s - lag_s) < 0.3 * lag_s + 0.05 * lag_s / windows_a_lag
-    assert np.median(left) < 1.3
     assert max(left) < 2.5
