@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 FOLDS = 5
 _BLOCKS = 40
 _MOST_ROWS = 4000
-_FEWEST_DWELLS = 10
+_FEWEST_DWELLS, _FEWEST_PHASES = 10, 10
 _STANDING_SPEED = 0.002  # of the highest: less is standstill
 _WILD_SCALES, _WILD_SHARE = 10.0, 0.1  # of the residual's scale, of the highest speed
 
@@ -64,9 +64,8 @@ class CurveRows:
 def curve_rows(data: Dataset, point: int, rough: Fit) -> CurveRows:
     """Gather the samples on which a point's curve is chosen.
 
-    Where the record is made of dwells that settle, at half of its phases at least, each gives its
-    median settled speed, and neighbouring phases are held out together; else blocks of the record
-    are held out.
+    Where dwells settle, at ten of the phases or at half of few, each gives its median settled
+    speed, and neighbouring phases are held out together; else blocks of the record are held out.
 
     Parameters
     ----------
@@ -80,8 +79,8 @@ def curve_rows(data: Dataset, point: int, rough: Fit) -> CurveRows:
     dynamics = rough.dynamics
     forget = memory_windows(dynamics.linear_part(None))
     phases, speeds = _dwell_medians(data, point, forget)
-    all_phases = np.unique(data.phase_deg(point))
-    if phases.size >= _FEWEST_DWELLS and 2 * np.unique(phases).size >= all_phases.size:
+    few = np.unique(data.phase_deg(point)).size / 2.0
+    if phases.size >= _FEWEST_DWELLS and np.unique(phases).size >= min(_FEWEST_PHASES, few):
         fold = _phase_folds(phases)
         return CurveRows((phases,), (speeds,), (fold,), NONE, _standing_deg(phases, speeds))
     chosen = [k for k, s in enumerate(data.segments) if s.point == point]
