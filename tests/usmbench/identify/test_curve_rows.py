@@ -1,0 +1,35 @@
+"""On which samples a curve is chosen."""
+
+import numpy as np
+import pytest
+
+from benchmarks.plain_motor import Wrong, motor_of, plan_deg, speed_rad_s
+from usmbench.identify.dynamics import NONE
+from usmbench.identify.gather import from_windows
+from usmbench.identify.shape import FastOptions, settle_shape
+from usmbench.runs.record import Record
+
+
+def _run(kind: str, n: int, window_s: float) -> Record:
+    rng = np.random.default_rng(9)
+    motor = motor_of(rng)
+    phase_deg = plan_deg(kind, n, 90.0, rng)
+    speed, _ = speed_rad_s(motor, phase_deg, window_s, Wrong(), rng)
+    noisy = speed + 0.02 * rng.standard_normal(n)
+    return Record(kind, window_s * np.arange(1.0, n + 1.0), phase_deg, noisy, np.full(n, window_s))
+
+
+@pytest.mark.parametrize("beside", [(), ("multisine",), ("multisine", "triangle")])
+def test_dwells_that_settle_choose_the_curve_whatever_else_was_driven(
+    beside: tuple[str, ...],
+) -> None:
+    data = from_windows([_run(kind, 1500, 0.01) for kind in ("staircase", *beside)])
+    assert settle_shape(data, data, FastOptions()).rows[0].dynamics is NONE
+
+
+def test_dwells_too_short_to_settle_choose_nothing() -> None:
+    # Only the ends are held twice as long, and settle: two phases say nothing of a curve.
+    data = from_windows([_run("staircase", 2000, 0.0006)])
+    shape = settle_shape(data, data, FastOptions())
+    assert shape.rows[0].dynamics is not NONE
+    assert shape.choices[0].knots_deg.size > 4
