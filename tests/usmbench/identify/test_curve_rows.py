@@ -29,7 +29,7 @@ def test_dwells_that_settle_choose_the_curve_whatever_else_was_driven(
 
 def test_dwells_too_short_to_settle_choose_nothing() -> None:
     # Only the ends are held twice as long, and settle: two phases say nothing of a curve.
-    data = from_windows([_run("staircase", 2000, 0.0006)])
+    data = from_windows([_run("staircase", 8000, 0.0015)])
     shape = settle_shape(data, data, FastOptions())
     assert shape.rows[0].dynamics is not NONE
     assert shape.choices[0].knots_deg.size > 4
