@@ -14,7 +14,6 @@ import json
 import sys
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 from zlib import crc32
@@ -22,19 +21,16 @@ from zlib import crc32
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.campaign_tables import share
 from benchmarks.plain_motor import (
-    KINDS,
     PlainMotor,
     Wrong,
     motor_of,
-    noise_rad_s,
-    plan_deg,
     size_for,
     sizes_of,
     speed_rad_s,
-    write_csv,
 )
+from benchmarks.plain_outcome import NOTHING, OUTSIDE, Conditions, Outcome, report
+from benchmarks.plain_runs import KINDS, noise_rad_s, write_csv
 from usmbench.cli.main import main as usmbench
 
 Array = NDArray[np.float64]
@@ -53,82 +49,8 @@ CAUSES = (
     "phase_quantisation",
     "count_glitches",
 )
-OUTSIDE, NOTHING = "outside", "nothing"
 _TIMES_NOISE = (1.5, 0.5)
 _HEALTHY = 6  # as many draws as a cause has
-
-
-@dataclass(frozen=True, slots=True)
-class Conditions:
-    """How a motor is driven and measured.
-
-    Parameters
-    ----------
-    kind, n, top_deg
-        Of the plan: its kind, windows, largest phase.
-    window_s
-        Duration of a window.
-    noise_rad_s, colour
-        Standard deviation of the noise, and its correlation from window to window.
-    n_references
-        Healthy runs that the model is identified from.
-    """
-
-    kind: str
-    n: int
-    top_deg: float
-    window_s: float
-    noise_rad_s: float
-    colour: float
-    n_references: int
-
-    def phase_deg(self, rng: np.random.Generator) -> Array:
-        """Return a run's phases, shape (n,).
-
-        Parameters
-        ----------
-        rng
-            Where chance comes from.
-        """
-        return plan_deg(self.kind, self.n, self.top_deg, rng)
-
-
-@dataclass(frozen=True, slots=True)
-class Outcome:
-    """What came out of a draw.
-
-    Parameters
-    ----------
-    cause
-        The cause that was hidden, "outside" or "nothing".
-    times_noise
-        Its root mean square over the noise's.
-    conditions
-        How the motor was driven.
-    names
-        What was named, each with its alternatives.
-    verdict
-        The verdict, or what a command said that ended with an error.
-    """
-
-    cause: str
-    times_noise: float
-    conditions: Conditions
-    names: tuple[tuple[str, ...], ...]
-    verdict: str
-
-    @property
-    def right(self) -> bool:
-        """Whether that is the answer one would wish."""
-        if self.cause in (OUTSIDE, NOTHING):
-            wanted = ("no_discrepancy",) if self.cause == NOTHING else ("unexplained",)
-            return not self.names and (self.cause == OUTSIDE or self.verdict in wanted)
-        return bool(self.names) and self.names[0][0] == self.cause
-
-    @property
-    def in_set(self) -> bool:
-        """Whether the cause is named or an alternative."""
-        return self.right or any(self.cause in names for names in self.names)
 
 
 def conditions_of(rng: np.random.Generator) -> Conditions:
@@ -235,38 +157,6 @@ def _diagnosed(folder: Path, references: Sequence[str]) -> tuple[tuple[tuple[str
     return names, str(found["verdict"])
 
 
-def report(outcomes: Sequence[Outcome]) -> None:
-    """Print the tables.
-
-    Parameters
-    ----------
-    outcomes
-        Of the draws.
-    """
-    for times_noise in sorted({o.times_noise for o in outcomes}, reverse=True):
-        print(f"\n{times_noise:g} x noise{'':28} right first        in the set")
-        rows = [o for o in outcomes if o.times_noise == times_noise and o.cause != NOTHING]
-        for cause in dict.fromkeys(o.cause for o in rows):
-            _line(cause, [o for o in rows if o.cause == cause])
-        _line("all of the library", [o for o in rows if o.cause != OUTSIDE])
-    healthy = [o for o in outcomes if o.cause == NOTHING]
-    print("\nnothing hidden" + " " * 22 + "said so            and nothing named")
-    for n in sorted({o.conditions.n for o in healthy}):
-        _line(f"{n} windows", [o for o in healthy if o.conditions.n == n])
-    _line("all", healthy)
-
-
-def _line(name: str, rows: Sequence[Outcome]) -> None:
-    columns = (sum(o.right for o in rows), sum(o.in_set or not o.names for o in rows))
-    if rows[0].cause not in (OUTSIDE, NOTHING):
-        columns = (columns[0], sum(o.in_set for o in rows))
-    shares = [share(k, len(rows)) for k in columns]
-    shown = "  ".join(
-        f"{100 * mean:5.1f} ({100 * low:3.0f}-{100 * high:3.0f} %)" for mean, low, high in shares
-    )
-    print(f"{name:32} {shown} of {len(rows)}")
-
-
 def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
@@ -284,9 +174,8 @@ def main(argv: list[str] | None = None) -> int:
         jobs = [pool.apply_async(draw, (arguments.seed, k, c, s)) for c, s, k in wanted]
         outcomes = [job.get() for job in jobs]
     report(outcomes)
-    for outcome in outcomes if arguments.wrong else ():
-        if not outcome.right:
-            print(outcome)
+    if arguments.wrong:
+        print(*(outcome for outcome in outcomes if not outcome.right), sep="\n")
     return 0
 
 

@@ -1,12 +1,11 @@
-"""A motor of a few lines, and what may be wrong with it, for runs in plain CSV files.
+"""A motor of a few lines, and what may be wrong with it.
 
-A curve with a dead zone, a lag, coloured noise: no torque, no slip, no warm-up. It shares nothing
-with the simulated testbed nor with the model. A window is averaged over fine steps.
+A curve with a dead zone and a lag: no torque, no slip, no warm-up. It shares nothing with the
+simulated testbed nor with the model. A window is averaged over fine steps.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +13,7 @@ from scipy.signal import lfilter
 
 Array = NDArray[np.float64]
 
-KINDS = ("staircase", "triangle", "multisine", "random")
-FINE = 40  # steps a window
+_FINE = 40  # steps a window
 _GLITCHES = 0.02  # share of windows
 _OFF_COUNT = 0.6  # of the highest speed: counts are lost above
 
@@ -98,35 +96,6 @@ def motor_of(rng: np.random.Generator) -> PlainMotor:
     )
 
 
-def plan_deg(kind: str, n: int, top_deg: float, rng: np.random.Generator) -> Array:
-    """Return the phases of a plan, shape (n,).
-
-    Parameters
-    ----------
-    kind
-        One of `KINDS`.
-    n
-        Windows.
-    top_deg
-        Largest phase.
-    rng
-        Where chance comes from.
-    """
-    if kind == "staircase":
-        levels_deg = np.linspace(-top_deg, top_deg, 13 if n < 600 else 25)
-        once = np.r_[levels_deg, levels_deg[::-1]]
-        return np.resize(np.repeat(once, n // once.size // max(1, n // 800)), n)
-    if kind == "triangle":
-        along = np.arange(n) * max(2, n // 250) / n
-        return np.round(top_deg * (1.0 - 4.0 * np.abs(along % 1.0 - 0.5)), 1)
-    if kind == "random":
-        return np.repeat(np.round(rng.uniform(-top_deg, top_deg, -(-n // 6)), 1), 6)[:n]
-    tones = np.arange(1, max(3, n // 16))
-    turned = 4.0 * np.pi / n * np.outer(np.arange(n), tones)
-    waves = np.cos(turned + rng.uniform(0.0, 2.0 * np.pi, tones.size)) @ tones**-0.5
-    return np.asarray(np.round(top_deg * waves / np.max(np.abs(waves)), 1))
-
-
 def speed_rad_s(
     motor: PlainMotor,
     phase_deg: Array,
@@ -149,15 +118,15 @@ def speed_rad_s(
     rng
         Where chance comes from, for what strikes single windows.
     """
-    step_s = window_s / FINE
-    commanded_deg = _commanded(np.repeat(phase_deg, FINE), step_s, wrong)
+    step_s = window_s / _FINE
+    commanded_deg = _commanded(np.repeat(phase_deg, _FINE), step_s, wrong)
     driven = _settled(motor, commanded_deg, step_s, wrong)
     kept = np.exp(-step_s / (motor.lag_s + wrong.of("slow_dynamics")))
     after = lfilter([1.0 - kept], [1.0, -kept], driven, zi=[kept * driven[0]])[0]
     fine = 0.5 * (after + np.r_[driven[0], after[:-1]])
     angle_rad = np.cumsum(fine) * step_s
     fine = fine * (1.0 + wrong.of("encoder_eccentricity") * np.cos(angle_rad + 1.0))
-    return _counted(fine.reshape(-1, FINE).mean(axis=1), wrong, rng), angle_rad[FINE - 1 :: FINE]
+    return _counted(fine.reshape(-1, _FINE).mean(axis=1), wrong, rng), angle_rad[_FINE - 1 :: _FINE]
 
 
 def _commanded(phase_deg: Array, step_s: float, wrong: Wrong) -> Array:
@@ -194,25 +163,7 @@ def _counted(speed_rad_s: Array, wrong: Wrong, rng: np.random.Generator) -> Arra
     false = wrong.of("count_glitches") * hit * rng.choice([-1.0, 1.0], size.size)
     belt = wrong.of("outside") * np.sin(0.86 * np.arange(size.size)) * (size > 0.0)
     counted: Array = np.sign(speed_rad_s) * (size - lost) + false + belt
-    return np.abs(counted) if wrong.of("unsigned_counts") else counted
-
-
-def noise_rad_s(n: int, size: float, colour: float, rng: np.random.Generator) -> Array:
-    """Return autoregressive noise, shape (n,).
-
-    Parameters
-    ----------
-    n
-        Windows.
-    size
-        Standard deviation.
-    colour
-        Correlation from window to window.
-    rng
-        Where chance comes from.
-    """
-    white = np.sqrt(1.0 - colour**2) * rng.standard_normal(n + 100)
-    return np.asarray(size * lfilter([1.0], [1.0, -colour], white)[100:])
+    return counted
 
 
 def sizes_of(cause: str) -> Array:
@@ -241,23 +192,3 @@ def size_for(effect_rms: Callable[[float], float], sizes: Array, wanted: float) 
         In the unit of the root mean square.
     """
     return next((float(size) for size in sizes if effect_rms(float(size)) >= wanted), None)
-
-
-def write_csv(
-    path: Path, phase_deg: Array, speed: Array, angle_rad: Array, window_s: float
-) -> None:
-    """Write a run as a bare CSV file.
-
-    Parameters
-    ----------
-    path
-        The file.
-    phase_deg, speed, angle_rad
-        Its columns, shape (N,) each; the speed in rad/s.
-    window_s
-        Duration of a window.
-    """
-    t_s = window_s * np.arange(1.0, phase_deg.size + 1.0)
-    table = np.column_stack((t_s, phase_deg, speed, angle_rad))
-    head = "t_s,phase_deg,speed_rad_s,angle_rad"
-    np.savetxt(path, table, delimiter=",", header=head, comments="", fmt="%.9g")

@@ -3,16 +3,10 @@
 import numpy as np
 import pytest
 
-from benchmarks.naming_from_csv import NOTHING, OUTSIDE, Conditions, Outcome, draw, report
-from benchmarks.plain_motor import (
-    Wrong,
-    motor_of,
-    noise_rad_s,
-    plan_deg,
-    size_for,
-    sizes_of,
-    speed_rad_s,
-)
+from benchmarks.naming_from_csv import draw
+from benchmarks.plain_motor import Wrong, motor_of, size_for, sizes_of, speed_rad_s
+from benchmarks.plain_outcome import NOTHING, OUTSIDE, Conditions, Outcome, report
+from benchmarks.plain_runs import noise_rad_s, plan_deg
 
 HOW = Conditions("random", 600, 90.0, 0.01, 0.03, 0.0, 1)
 
@@ -37,8 +31,10 @@ def test_what_is_right(capsys: pytest.CaptureFixture[str]) -> None:
     other = Outcome("load_torque", 1.5, HOW, named, "explained")
     kept = Outcome(OUTSIDE, 1.5, HOW, silent, "unexplained")
     alarm = Outcome(NOTHING, 1.5, HOW, silent, "unexplained")
+    failed = Outcome(OUTSIDE, 1.5, HOW, silent, "usmbench: measured.csv: too short")
     assert (first.right, other.right, kept.right, alarm.right) == (True, False, True, False)
-    assert (first.in_set, other.in_set) == (True, True)
+    assert (first.in_set, other.in_set, alarm.in_set) == (True, True, True)
+    assert (failed.right, failed.in_set) == (False, False)
     report([first, other, kept, alarm])
     assert "all of the library                50.0" in capsys.readouterr().out
 

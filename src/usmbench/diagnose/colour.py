@@ -15,12 +15,10 @@ from scipy.signal import lfilter
 
 Array = NDArray[np.float64]
 
-_EXACT = 1e-6
-_MOST_ROWS = 3000  # beyond, a curve takes next to nothing
+_EXACT = 1e-6  # share of the variance that is left
 _LEAST_SHARE = 1e-3  # of the noise along a direction that is worth while
 _MEMORY = 400  # windows
 _ROUNDS = 5
-_MOST_TAKEN = 1.0  # of what is left: beyond, the fit took most of the noise
 
 
 def autoregression(covariance: Array, n: float) -> tuple[Array, float]:
@@ -70,16 +68,15 @@ def taken_by_fit(fitted: Sequence[Array], left: Array, n: float) -> Array:
     Returns
     -------
     Array
-        At each lag, shape (lags,); 0 for so many rows that it does not matter.
+        At each lag, shape (lags,).
     """
     more = np.zeros_like(left)
-    if sum(f.shape[0] for f in fitted) > _MOST_ROWS:
-        return more
     basis, share = _hat(fitted)
     noise = np.empty(0), float(np.sqrt(left[0]))
     for _ in range(_ROUNDS):
         more = _taken(basis, share, *noise, left.size)
-        more *= min(1.0, _MOST_TAKEN * left[0] / max(float(more[0]), 1e-12))
+        # A fit that took more than half has left too little to tell how much it was.
+        more *= min(1.0, float(left[0]) / max(float(more[0]), 1e-12))
         noise = autoregression(left + more, n)
     return more
 

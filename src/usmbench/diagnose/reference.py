@@ -40,6 +40,7 @@ Part = tuple[Stretch, Array, Array, Mask]  # whitened shapes and error on the ro
 _ROUNDS = 3
 _FOLDS, _BLOCK = 4, 100
 _HUBER = 3.0
+_MANY_ROWS = 3000
 _TIED = 100.0  # weight with which the runs' own deviations add up to 0
 _CHANCE = 1.0  # standard deviations by which chance alone lets folds differ
 _PLAIN = 30.0  # a deviance that no chance explains
@@ -100,7 +101,7 @@ def measure_knowledge(stretches: Sequence[Stretch], habits: Sequence[Applied] = 
     features = features_of(stretches)
     residuals = [s.residual_rad_s for s in stretches]
     uses = [s.use for s in stretches]
-    fitted = [_fitted(features, s) for s in stretches]
+    fitted = _fitted(features, stretches)
     noise = estimate_noise(stretches, residuals, uses, fitted)
     left, masks = residuals, uses
     mean, root = np.zeros_like(features.prior), np.zeros((0, 0))
@@ -131,11 +132,16 @@ def measure_knowledge(stretches: Sequence[Stretch], habits: Sequence[Applied] = 
     return Knowledge(noise, features, mean, root, wander, n_spikes / used_s, entries)
 
 
-def _fitted(features: Features, stretch: Stretch) -> Array:
-    """Return what was fitted to a run: the curve, freely, and all that is learnt, (N, K)."""
+def _fitted(features: Features, stretches: Sequence[Stretch]) -> list[Array] | None:
+    """Return what was fitted: the curve, freely, and all that is learnt, (N, K) a stretch.
+
+    None for so many rows that it took next to nothing from them.
+    """
+    if sum(s.context.n for s in stretches) > _MANY_ROWS:
+        return None
     free = np.array(features.groups) == "phase"
-    columns = np.column_stack(list(features.columns(stretch)))
-    return columns * np.where(free, features.top_rad_s, features.prior)
+    deviations = np.where(free, features.top_rad_s, features.prior)
+    return [np.column_stack(list(features.columns(s))) * deviations for s in stretches]
 
 
 def _learn(

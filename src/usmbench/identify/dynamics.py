@@ -15,6 +15,7 @@ Array = NDArray[np.float64]
 _STABLE = 0.9999
 _SHORTEST, _LONGEST = 0.02, 1e4  # time constant in windows
 _STARTING_LAGS = (0.15, 1.0, 6.0)  # windows
+LONGER_DEAD_TIME = 2.0  # windows by which a search may go beyond the dead time that it starts from
 _DIFFERENCE = 1e-6
 
 
@@ -209,14 +210,14 @@ class LagFamily:
         return np.array([math.log(-1.0 / math.log(pole)), dynamics.dead_time_windows + 0.25])
 
     def starts(self) -> list[Array]:
-        """Return lags from short to long, without a dead time and with a long one.
+        """Return lags from short to long, without a dead time and with the one of the start.
 
         Returns
         -------
         list of Array
             Parameters, shape (2,) each.
         """
-        dead_times = {0.0, max(self.longest_dead_time - 2.0, 0.0)}
+        dead_times = {0.0, max(self.longest_dead_time - LONGER_DEAD_TIME, 0.0)}
         return [
             np.array([math.log(lag), dead]) for lag in _STARTING_LAGS for dead in sorted(dead_times)
         ]

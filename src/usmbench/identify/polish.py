@@ -153,13 +153,15 @@ def _short_step(
     valley that bends, a long step between the two would end anywhere.
     """
     free = np.ones(slope.size, dtype=np.bool_)
-    while True:
-        moved, deltas = curvature.solve(moments, slope, free)
+    moved, deltas = curvature.solve(moments, slope, free)
+    for _ in slope:
         inside = family.moved(parameters, moved) == parameters + moved
         near = inside & (np.abs(moved) < _FAR)
         if np.all(near):
-            return moved, deltas
+            break
         free &= near
+        moved, deltas = curvature.solve(moments, slope, free)
+    return moved, deltas
 
 
 def _gradient(

@@ -9,7 +9,13 @@ from numpy.typing import NDArray
 from usmbench.identify.curve_rows import CurveRows, curve_rows
 from usmbench.identify.data import Dataset
 from usmbench.identify.design import build_design, check_rows
-from usmbench.identify.dynamics import Dynamics, Family, FreeFamily, LagFamily
+from usmbench.identify.dynamics import (
+    LONGER_DEAD_TIME,
+    Dynamics,
+    Family,
+    FreeFamily,
+    LagFamily,
+)
 from usmbench.identify.knots import dead_zone_deg, place_knots
 from usmbench.identify.output_error import fit_output_error
 from usmbench.identify.projected import Projected
@@ -193,7 +199,7 @@ def _soft(data: Dataset, knots_deg: Sequence[Array]) -> list[Array]:
 def _family(options: FastOptions, start: Dynamics) -> Family:
     """Search among lags with a dead time, unless the user asks for other orders."""
     if options.na == 1 and options.nb is None:
-        return LagFamily(start.dead_time_windows + 2.0)
+        return LagFamily(start.dead_time_windows + LONGER_DEAD_TIME)
     return FreeFamily(start.a.size, start.beta.size, start.dead_time_windows)
 
 

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from benchmarks.plain_motor import Wrong, motor_of, plan_deg, speed_rad_s
+from benchmarks.plain_motor import Wrong, motor_of, speed_rad_s
+from benchmarks.plain_runs import plan_deg
 from usmbench.identify.fast import FastOptions, identify_fast
 from usmbench.model.linear import dead_time_s, time_constant_s
 from usmbench.runs.record import Record

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from benchmarks.plain_motor import Wrong, motor_of, plan_deg, speed_rad_s
+from benchmarks.plain_motor import Wrong, motor_of, speed_rad_s
+from benchmarks.plain_runs import plan_deg
 from usmbench.identify.dynamics import NONE
 from usmbench.identify.gather import from_windows
 from usmbench.identify.shape import FastOptions, settle_shape

@@ -10,7 +10,7 @@ _MEANING = "The generator sets the phase on a coarse grid instead of where it is
 _MEND = "Read the generator's phase register back, and check how many of its bits are written."
 _COARSEST_DEG = 60.0
 _FINEST_DEG = 0.7
-_MANY = 50
+_MANY = 50  # phases: twice the levels of a fine staircase
 _MEANT = 1e-3  # of a usual step: nearer than that nobody builds another
 _SAME_STEP = 1e-9  # a commanded multiple must not fall below itself by rounding
 # Registers with n values, and round numbers of degrees.
