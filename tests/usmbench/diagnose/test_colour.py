@@ -31,7 +31,7 @@ def _slow(covariance: Array, n: int) -> float:
 
 
 def _of_staircases(colour: float, windows_a_level: int, seed: int) -> tuple[float, float]:
-    """Return the slow part that fits of levels leave, and with what they took, over the true one."""
+    """Return the slow part that fits of levels leave, and with what they took, over the true."""
     levels = np.repeat(np.r_[np.arange(20), np.arange(20)[::-1]], windows_a_level)
     basis, n = np.eye(20)[levels], levels.size
     rng, bare, mended = np.random.default_rng(seed), [], []
