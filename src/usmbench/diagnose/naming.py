@@ -78,13 +78,14 @@ def rank(
     held = () if given is None else given.effects
     gained = 0.0 if given is None else given.statistic
     fits = sorted((fit_effect(problem, e, held) for e in effects), key=lambda f: -f.statistic)
-    refined = []
-    for fit in fits[:_REFINED]:
-        better = refine(problem, sharpen(problem, fit, held))
-        refined.append(Fit(better.effects, better.statistic - gained, fit.roughness))
+    for k, fit in enumerate(fits):
+        # To first order a size may come out far too small: a drag bends where the rotor stops.
+        if k < _REFINED or not any(p.scanned for p in fit.effects[-1].effect.parameters):
+            better = refine(problem, sharpen(problem, fit, held))
+            fits[k] = Fit(better.effects, better.statistic - gained, fit.roughness)
     price = math.log(max(problem.n_rows, 2))
     found = []
-    for fit in (*refined, *fits[_REFINED:]):
+    for fit in fits:
         effect = fit.effects[-1].effect
         statistic = max(fit.statistic, 0.0) / spread**2
         alone = Fit(fit.effects[-1:], statistic, fit.roughness)

@@ -105,10 +105,11 @@ def measure_knowledge(stretches: Sequence[Stretch], habits: Sequence[Applied] = 
     noise = estimate_noise(stretches, residuals, uses, fitted)
     left, masks = residuals, uses
     mean, root = np.zeros_like(features.prior), np.zeros((0, 0))
-    wander, least = (
+    widest, least = (
         wander_of_shares(shares, features.top_rad_s, features.n_points, features.n_places)
         for shares in (ANY, LEAST)
     )
+    wander = widest
     for _ in range(_ROUNDS):
         far = spiked(stretches, left, noise, near_steps=True)
         masks = [use & ~f for use, f in zip(uses, far, strict=True)]
@@ -118,12 +119,13 @@ def measure_knowledge(stretches: Sequence[Stretch], habits: Sequence[Applied] = 
             * wander.deviations
             for s in stretches
         ]
-        mean, root, runs, variance = _learn(features, stretches, noise, masks, own)
+        mean, root, runs, (gram, slope) = _learn(features, stretches, noise, masks, own)
         left = [
             r - features.combined(s, mean) - o @ runs[s.run]
             for s, r, o in zip(stretches, residuals, own, strict=True)
         ]
-        wander = measured_wander(wander, least, runs, variance)
+        unit = wander.deviations
+        wander = measured_wander(widest, least, gram / unit[:, None, None] / unit, slope / unit)
         noise = estimate_noise(stretches, left, masks, fitted)
     far = spiked(stretches, left, noise, near_steps=True, times=PLAIN)
     n_spikes, n_steady = count_steady(stretches, far)
@@ -150,8 +152,8 @@ def _learn(
     noise: Noise,
     masks: Sequence[Mask],
     own: Sequence[Array],
-) -> tuple[Array, Array, Array, Array]:
-    """Coefficients, root of how far a run may be from them, each run's own and their variance."""
+) -> tuple[Array, Array, Array, tuple[Array, Array]]:
+    """Coefficients, root of how far a run may be from them, each run's own and their equations."""
     prior = features.prior
     whiten = np.r_[1.0, -noise.ar] / noise.innovation
     n_runs, n_own = 1 + max(s.run for s in stretches), own[0].shape[1]
@@ -181,10 +183,16 @@ def _learn(
     covariance = np.linalg.inv(gram)
     extra = _between(features.groups, grams, slopes)
     root = np.linalg.cholesky(covariance[: prior.size, : prior.size] + np.diag(extra**2))
-    runs, variance = (
-        values[prior.size :].reshape(n_runs, n_own) for values in (theta, np.diag(covariance))
-    )
-    return prior * theta[: prior.size], prior[:, None] * root, runs, variance
+    runs = theta[prior.size :].reshape(n_runs, n_own)
+    equations = _beside(grams.sum(axis=0), slope, prior.size, (n_runs, n_own))
+    return prior * theta[: prior.size], prior[:, None] * root, runs, equations
+
+
+def _beside(gram: Array, slope: Array, n: int, shape: tuple[int, int]) -> tuple[Array, Array]:
+    """Return normal equations of the runs' own departures with the first n learnt."""
+    learnt = np.linalg.solve(gram[:n, :n] + np.eye(n), np.c_[gram[:n, n:], slope[:n]])
+    own = np.c_[gram[n:, n:], slope[n:]] - gram[n:, :n] @ learnt
+    return own[:, :-1].reshape(shape * 2), own[:, -1].reshape(shape)
 
 
 def _far_shares(parts: Sequence[Part], theta: Array) -> list[Array]:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import helmert
 
 from usmbench.diagnose.shapes import detuned_rad_s, highest_rad_s, later_rad_s_per_s, shown
 from usmbench.diagnose.stretches import Stretch
@@ -24,6 +25,7 @@ _STRONGER, _AS_STRONG = 0.1, 0.02
 _BEST_GAIN = 2e-4  # no bench repeats better than that
 _RESONANCE = 3e-6  # by which a fifth of a kelvin moves it: no bench starts warmer by less
 _FEWEST = 0.5  # degrees of freedom that an estimate needs
+_MOST_ROUNDS, _AT_REST = 300, 1e-3
 _STICKING = (0.0, 0.02, 0.05)  # shares of the highest speed: from, most, to
 _STANDING = 0.01  # of the highest speed: in the dead zone a fitted curve is not exactly 0
 _STEP = 0.1  # of a habit's size, for its derivative
@@ -184,39 +186,60 @@ def _further(habit: Applied) -> dict[str, float]:
     return {p.name: p.null + (1.0 + _STEP) * (habit.values[p.name] - p.null) for p in sized}
 
 
-def measured_wander(before: Wander, least: Wander, runs: Array, variance: Array) -> Wander:
-    """Estimate the wander from each run's own departures.
+def measured_wander(widest: Wander, least: Wander, gram: Array, slope: Array) -> Wander:
+    """Estimate the wander from what the runs show of their departures.
 
-    A run that hardly shows a departure leaves it where it was beforehand, and says nothing of how
-    far it wanders: it counts by the share of the variance that it takes away (MacKay 1992,
-    doi:10.1162/neco.1992.4.3.415).
+    The most likely standard deviations: each comes to that of the departures, as they are estimated
+    under it, over as many of them as the runs determine (MacKay 1992,
+    doi:10.1162/neco.1992.4.3.415). Of departures that look alike, as a gain and less friction do,
+    those go that the others make unlikely.
 
     Parameters
     ----------
-    before
-        The wander that the departures were estimated with.
-    least
-        What stands in where the runs do not show it.
-    runs, variance
-        Departures and their variance, in units of the wander before, shape (R, W).
+    widest, least
+        What any run may be off by, and what stands in where the runs do not show it.
+    gram, slope
+        Normal equations of each run's departures, all that is learnt beside them taken out, shape
+        (R, W, R, W) and (R, W).
     """
-    free = np.sum(1.0 - variance, axis=0) - 1.0  # the mean belongs to the model
-    shown = free > _FEWEST
-    free = np.where(shown, free, 1.0)
+    if slope.shape[0] < 2:
+        return least
+    apart = helmert(slope.shape[0])  # the mean belongs to the model
+    unit = widest.deviations
+    gram = np.einsum("kr,rvsw,ls->kvlw", apart, gram, apart) * unit[:, None, None] * unit
+    slope = apart @ slope * unit
+    lowest = replace(
+        least, gain=_BEST_GAIN, warms=(_WARMS_ALIKE, _WARMS_ALIKE), habit_share=_AS_STRONG
+    )
+    floor, size = lowest.deviations / unit, np.ones(unit.size)
+    _, free = _determined(gram, slope, size)
+    shown = (free > _FEWEST) & (floor < 1.0)
+    size = np.where(shown, size, least.deviations / unit)
+    for _ in range(_MOST_ROUNDS):
+        square, determined = _determined(gram, slope, size)
+        likely = np.maximum(np.sqrt(square / np.maximum(determined, 1e-12)), floor)
+        before, size = size, np.where(shown, likely, size)
+        if np.allclose(before, size, rtol=_AT_REST):
+            break
     # A standard deviation of few values is itself uncertain: err on the side of more wander.
-    inflation = 1.0 + 1.0 / np.sqrt(2.0 * free)
-    found = before.deviations * np.sqrt(np.sum(runs**2, axis=0) / free) * inflation
-    found = np.where(shown, found, least.deviations)
+    inflation = 1.0 + 1.0 / np.sqrt(2.0 * np.maximum(free, _FEWEST))
+    return _of_deviations(np.where(shown & (size > floor), inflation, 1.0) * size * unit, least)
+
+
+def _determined(gram: Array, slope: Array, size: Array) -> tuple[Array, Array]:
+    """Return each departure's sum of squares, and how many values of it are determined, (W,)."""
+    n, variance = slope.size, np.tile(size**2, slope.shape[0])
+    covariance = np.linalg.inv(gram.reshape(n, n) + np.diag(1.0 / variance))
+    values = (covariance @ slope.ravel()).reshape(slope.shape)
+    free = (1.0 - np.diag(covariance) / variance).reshape(slope.shape)
+    return np.sum(values**2, axis=0), np.sum(free, axis=0)
+
+
+def _of_deviations(deviations: Array, least: Wander) -> Wander:
+    """Return the wander with these `Wander.deviations`."""
     ends = 1 + len(least.gain_tilt)
-    gain, gain_tilt = float(found[0]), np.maximum(found[1:ends], least.gain_tilt)
-    late_s, _, stuck_rad_s, *held_back, more, later, habit_share = found[ends:]
-    held_back_rad_s = np.maximum(held_back, least.held_back_rad_s).tolist()
+    gain, *gain_tilt = (float(d) for d in deviations[:ends])
+    late_s, _, stuck_rad_s, *held_back, more, later, habit = (float(d) for d in deviations[ends:])
     return Wander(
-        max(gain, _BEST_GAIN),
-        tuple(gain_tilt.tolist()),
-        max(float(late_s), least.late_s),
-        max(float(stuck_rad_s), least.stuck_rad_s),
-        tuple(held_back_rad_s),
-        (max(float(more), _WARMS_ALIKE), max(float(later), _WARMS_ALIKE)),
-        max(float(habit_share), _AS_STRONG),
+        gain, tuple(gain_tilt), late_s, stuck_rad_s, tuple(held_back), (more, later), habit
     )
