@@ -66,9 +66,15 @@ class Found:
 
     @property
     def mostly_left(self) -> bool:
-        """Whether most of what is beyond the noise and all that is known stays unexplained."""
-        left, n = self.beyond_noise - self.explained, self.problem.n_rows
-        return left > _MOST_LEFT * max(self.beyond_noise, 0.0) and left > _GROSS * n
+        """Whether most of what is beyond the noise and all that is known stays unexplained.
+
+        A noise that has grown by so much that it is a finding itself is no noise here.
+        """
+        n = self.problem.n_rows
+        loud = self.spread**2 if self.spread > LOUD else 1.0
+        beyond = loud * (self.beyond_noise + n) - n
+        left = beyond - loud * self.explained
+        return left > _MOST_LEFT * max(beyond, 0.0) and left > _GROSS * n
 
     @property
     def patched(self) -> bool:

@@ -19,7 +19,7 @@ from usmbench.model.extended import Applied
 
 Array = NDArray[np.float64]
 
-_FEWEST = 4
+_FEWEST = 3
 _AS_USUAL = 2.0  # times the rate of the identified runs: their plans differ
 _OF_COUNT = 0.25  # a counter is off by whole ones
 

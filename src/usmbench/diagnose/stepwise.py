@@ -27,7 +27,9 @@ Array = NDArray[np.float64]
 _MOST_CAUSES = 3
 _SECOND_LEAST = 40.0  # what patches bring, see "two causes" in benchmarks/naming_campaign.py
 _SECOND_SHARE = 0.01  # of the first, whose form may be off by as much
-_FEWEST_ROWS = 8.0  # that a cause has to explain better
+# That a cause has to explain better: rows, or places in the runs, where it acts at starts only.
+_FEWEST_ROWS, _FEWEST_PLACES = 8.0, 2.5
+_GAINED, _APART = 20.0, 5  # deviance of a row beyond chance; rows without between two places
 _LEAST_CLEAR = 0.1  # of the rows: what is left where chance cannot strike must tell something
 _MOST_OF_ROW = 100.0  # deviance: ten times the noise
 _TURNS = 4  # of weighing one of two causes given the other
@@ -123,7 +125,10 @@ def _holds(problem: Problem, found: Named, longer: Fit, more: Array) -> bool:
         return False
     # One block alone may be an accident.
     unseen = min(float(np.sum(more)), float(np.sum(more) - np.max(more)))
-    return unseen > 0.0 and _rows_behind(problem, found.fit, longer) >= _FEWEST_ROWS
+    if unseen <= 0.0:
+        return False
+    gained = _gained(problem, found.fit, longer)
+    return _effective(gained) >= _FEWEST_ROWS or _places(problem, gained) >= _FEWEST_PLACES
 
 
 def _earned(problem: Problem, found: Named, longer: Fit) -> bool:
@@ -170,15 +175,27 @@ def _together(
     return [first], second
 
 
-def _rows_behind(problem: Problem, fit: Fit, longer: Fit) -> float:
-    """Effective number of the rows that more causes explain better: (Σd)²/Σd² of what they gain.
+def _gained(problem: Problem, fit: Fit, longer: Fit) -> Array:
+    """Deviance that more causes take from each row that counts, shape (N,).
 
     What acts by chance strikes some rows far harder than others, which speaks not against them.
     """
     before, after = (problem.left(f.effects)[: problem.n_rows] ** 2 for f in (fit, longer))
     most = _MOST_OF_ROW if longer.effects[-1].effect.by_chance else np.inf
-    gained = np.clip(before - after, 0.0, most)
+    return np.asarray(np.clip(before - after, 0.0, most))
+
+
+def _effective(gained: Array) -> float:
+    """Effective number of rows behind a gain: (Σd)²/Σd²."""
     return float(np.sum(gained) ** 2 / max(float(np.sum(gained**2)), 1e-300))
+
+
+def _places(problem: Problem, gained: Array) -> float:
+    """Effective number of places behind a gain: rows that lie together, none of them a giant."""
+    rows = np.flatnonzero(np.concatenate(problem.valid))[gained > _GAINED]
+    place = np.cumsum(np.diff(rows, prepend=rows[:1]) > _APART)
+    sums = np.bincount(place, weights=gained[gained > _GAINED])
+    return _effective(np.minimum(sums, _MOST_OF_ROW))
 
 
 def noise_spread(problem: Problem, basis: Basis, effects: Sequence[Applied]) -> float:

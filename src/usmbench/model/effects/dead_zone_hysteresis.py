@@ -1,5 +1,7 @@
 """It starts later than it stops."""
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,6 +23,8 @@ class Sticking(Effect):
     meaning = _MEANING
     mend = _MEND
     stage = "settled"
+    sides: ClassVar[tuple[float, ...]] = (-1.0, 1.0)
+    at_reversals: ClassVar[bool] = True
     parameters = (Parameter("start_later_deg", "deg", 0.0, 0.0, 60.0, 1.0, scanned=True),)
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
@@ -36,9 +40,13 @@ class Sticking(Effect):
             return signal
         way = np.sign(signal)
         least_rad_s = standing_rad_s(context)
-        before_rad_s = context.settled_rad_s(context.phase_deg - way * later_deg)
+        before_rad_s = context.settled_rad_s(
+            context.phase_deg - way * np.where(np.isin(way, self.sides), later_deg, 0.0)
+        )
         starts = (np.abs(signal) > least_rad_s) & (way * before_rad_s > least_rad_s)
-        stops = (np.abs(signal) <= least_rad_s) | (way != np.r_[way[:1], way[:-1]])
+        stops = np.abs(signal) <= least_rad_s
+        if self.at_reversals:
+            stops |= way != np.r_[way[:1], way[:-1]]
         return np.where(_latched(starts, stops & ~starts), signal, 0.0)
 
     def grid(self, contexts: object) -> dict[str, Array]:
@@ -50,6 +58,27 @@ class Sticking(Effect):
             All stretches.
         """
         return {"start_later_deg": np.geomspace(0.02, 40.0, 30)}
+
+
+class AtRest(Sticking):
+    """Adhesion takes time to form: a rotor that is reversed does not stick on its way."""
+
+    form = "sticking at rest"
+    at_reversals = False
+
+
+class Forwards(Sticking):
+    """Only starts forwards take more."""
+
+    form = "sticking forwards"
+    sides = (1.0,)
+
+
+class Backwards(Sticking):
+    """Only starts backwards do."""
+
+    form = "sticking backwards"
+    sides = (-1.0,)
 
 
 class DirectedEdges(Effect):
@@ -105,4 +134,4 @@ def _latest(step: Array) -> Array:
     return np.where(last >= 0, step[np.maximum(last, 0)], 0.0)
 
 
-FORMS = (Sticking(), DirectedEdges())
+FORMS = (Sticking(), AtRest(), Forwards(), Backwards(), DirectedEdges())
