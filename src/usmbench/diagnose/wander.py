@@ -26,6 +26,7 @@ _BEST_GAIN = 2e-4  # no bench repeats better than that
 _RESONANCE = 3e-6  # by which a fifth of a kelvin moves it: no bench starts warmer by less
 _FEWEST = 0.5  # degrees of freedom that an estimate needs
 _MOST_ROUNDS, _AT_REST = 300, 1e-3
+_SWEEPS, _TRIED, _BEYOND = 3, 60, 4.0  # of plausible deviations: rounds, values, the last one
 _STICKING = (0.0, 0.02, 0.05)  # shares of the highest speed: from, most, to
 _STANDING = 0.01  # of the highest speed: in the dead zone a fitted curve is not exactly 0
 _STEP = 0.1  # of a habit's size, for its derivative
@@ -189,10 +190,12 @@ def _further(habit: Applied) -> dict[str, float]:
 def measured_wander(widest: Wander, least: Wander, gram: Array, slope: Array) -> Wander:
     """Estimate the wander from what the runs show of their departures.
 
-    The most likely standard deviations: each comes to that of the departures, as they are estimated
+    First the most likely standard deviations: each is that of the departures, as they are estimated
     under it, over as many of them as the runs determine (MacKay 1992,
     doi:10.1162/neco.1992.4.3.415). Of departures that look alike, as a gain and less friction do,
-    those go that the others make unlikely.
+    those go that the others make unlikely. A standard deviation of few values is itself uncertain:
+    the mean is taken of those that are plausible beside the others, any order of magnitude being as
+    plausible beforehand.
 
     Parameters
     ----------
@@ -221,9 +224,9 @@ def measured_wander(widest: Wander, least: Wander, gram: Array, slope: Array) ->
         before, size = size, np.where(shown, likely, size)
         if np.allclose(before, size, rtol=_AT_REST):
             break
-    # A standard deviation of few values is itself uncertain: err on the side of more wander.
-    inflation = 1.0 + 1.0 / np.sqrt(2.0 * np.maximum(free, _FEWEST))
-    return _of_deviations(np.where(shown & (size > floor), inflation, 1.0) * size * unit, least)
+    for which in np.tile(np.flatnonzero(shown), _SWEEPS):
+        size[which] = _plausible(gram, slope, size, int(which), float(floor[which]))
+    return _of_deviations(size * unit, least)
 
 
 def _determined(gram: Array, slope: Array, size: Array) -> tuple[Array, Array]:
@@ -233,6 +236,24 @@ def _determined(gram: Array, slope: Array, size: Array) -> tuple[Array, Array]:
     values = (covariance @ slope.ravel()).reshape(slope.shape)
     free = (1.0 - np.diag(covariance) / variance).reshape(slope.shape)
     return np.sum(values**2, axis=0), np.sum(free, axis=0)
+
+
+def _plausible(gram: Array, slope: Array, size: Array, which: int, floor: float) -> float:
+    """Return the mean of one departure's plausible deviations, the others being as they are."""
+    n, variance = slope.size, np.tile(size**2, slope.shape[0])
+    own = np.arange(n) % size.size == which
+    whole = gram.reshape(n, n)
+    beside = whole[~own][:, ~own] + np.diag(1.0 / variance[~own])
+    learnt = np.linalg.solve(beside, np.c_[whole[~own][:, own], slope.ravel()[~own]])
+    left = np.c_[whole[own][:, own], slope.ravel()[own]] - whole[own][:, ~own] @ learnt
+    power, ways = np.linalg.eigh(left[:, :-1])
+    tried = np.geomspace(floor, _BEYOND, _TRIED)
+    squares = tried[:, None] ** 2
+    seen = 1.0 + squares * np.maximum(power, 0.0)
+    explained = squares * (ways.T @ left[:, -1]) ** 2 / seen
+    likely = 0.5 * np.sum(explained - np.log(seen), axis=1)
+    weight = np.exp(likely - np.max(likely))
+    return float(weight @ tried / np.sum(weight))
 
 
 def _of_deviations(deviations: Array, least: Wander) -> Wander:
