@@ -187,7 +187,7 @@ def test_the_wander_is_the_spread_of_the_runs_and_what_their_number_leaves_open(
     spread = 0.3 * 2.0 * np.sqrt(2.0 / np.pi)
     assert found.gain == pytest.approx(0.01 * spread, rel=0.02)
     assert found.gain_tilt[1] == pytest.approx(1e-3 * spread, rel=0.02)
-    assert found.held_back_rad_s == pytest.approx((0.2 * spread, 0.1 * spread), rel=0.02)
+    assert found.held_back_rad_s == pytest.approx((0.2 * spread, 0.1 * spread), rel=0.05)
 
 
 def test_departures_that_no_run_can_show_stay_at_the_least() -> None:
