@@ -13,8 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import block_diag, csr_array, dia_array, diags_array
+from scipy.linalg import block_diag as dense_blocks
+from scipy.sparse import block_diag, csr_array, dia_array, diags_array, hstack
 
+from usmbench.diagnose.form import ROUGHLY, off_in_form
 from usmbench.diagnose.free_runs import FreeRuns
 from usmbench.diagnose.knowledge import Knowledge
 from usmbench.diagnose.noise import Noise
@@ -103,6 +105,25 @@ class Problem:
         """
         other = copy(self)
         other._judge(masks)
+        return other
+
+    def doubting(self, effects: Sequence[Applied]) -> "Problem":
+        """Return the same problem where the form of effects may be off.
+
+        Parameters
+        ----------
+        effects
+            The effects.
+        """
+        other, changes = copy(self), self.change_rad_s(effects)
+        off = [off_in_form(s, c) for s, c in zip(self.stretches, changes, strict=True)]
+        level = np.concatenate([self.noise.level_rad_s(s) for s in self.stretches])
+        kept = 1.0 / np.hypot(1.0, ROUGHLY * np.concatenate(changes) / level)
+        other._filter = csr_array(diags_array(kept) @ self._filter)
+        other._shapes = csr_array(hstack([self._shapes, csr_array(np.concatenate(off))]))
+        other._root = dense_blocks(self._root, np.eye(off[0].shape[1]))
+        other._background = other._filter @ other._shapes
+        other._judge(self.masks)
         return other
 
     def change_rad_s(self, effects: Sequence[Applied]) -> list[Array]:

@@ -66,7 +66,10 @@ def search(
     ranked = rank(problem, effects, spread)
     named = name_causes(problem, basis, ranked, effects, spread)
     before = whole_test(problem, basis, (), named.spread)
-    after = whole_test(problem, basis, named.fit.effects, named.spread)
+    after = before
+    if named.fit.effects:
+        doubting = problem.doubting(named.fit.effects)
+        after = whole_test(doubting, omnibus(doubting)["all"], named.fit.effects, named.spread)
     return Found(problem, named.spread, ranked, named.rankings, named.fit, before, after)
 
 

@@ -11,8 +11,9 @@ from usmbench.diagnose.stretches import Mask, Stretch
 
 Array = NDArray[np.float64]
 
-_GENTLE = 0.1  # of the highest speed, a window: a command that glides
-_SETTLING = 2  # windows until a rotor that starts, stops or turns has done so
+_RUNNING = 0.1  # of the highest speed
+_GENTLE = 0.1  # the same, a window: a command that glides
+_SETTLING = 2  # windows until the noise says how sure the speed of a rotor is that turns on
 _PARTS = 8  # of the speeds, from slow to fast
 _MOST_ALONE, _MOST_IN_PART = 0.1, 0.25  # more is no exception
 PLAIN = 7.0  # so far that only a miscount remains
@@ -57,9 +58,11 @@ def steady(stretch: Stretch) -> Mask:
     stretch
         The stretch. A rotor that starts or stops does so at a moment of its own.
     """
-    top_rad_s = float(np.max(np.abs(stretch.settled_rad_s), initial=0.0))
-    gently = (np.abs(stretch.step_rad_s) < _GENTLE * top_rad_s) & (step_kind(stretch) == 0)
-    calm: Mask = stretch.use & (gently | (stretch.lag >= _SETTLING))
+    settled = np.abs(stretch.settled_rad_s)
+    top_rad_s = float(np.max(settled, initial=0.0))
+    gently = (np.abs(stretch.step_rad_s) < _GENTLE * top_rad_s) | (stretch.lag >= _SETTLING)
+    on: Mask = stretch.use & (settled > _RUNNING * top_rad_s)
+    calm: Mask = on & (gently & (step_kind(stretch) == 0) | (stretch.lag >= LAGS))
     return calm
 
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.stats import poisson
 
 from usmbench.diagnose.chance import chancy_of, struck_by
+from usmbench.diagnose.form import OFF
 from usmbench.diagnose.naming import SIGNIFICANT, TELLING
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.result import Estimate, NamedCause
@@ -61,7 +62,7 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
     if chancy:
         calm = [c & ~s for c, s in zip(calm, struck_by(problem, chancy), strict=True)]
     rows = np.concatenate(calm)
-    far = _alone(problem, left, spread)
+    far = _alone(problem, left, effects, spread)
     windows = LoneWindows(
         np.concatenate([s.simulated_rad_s for s in problem.stretches])[rows],
         np.concatenate(list(left))[rows],
@@ -98,12 +99,15 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
     return Sporadic(Applied(effect, {e.name: e.value for e in estimates}), named, deviance)
 
 
-def _alone(problem: Problem, left: Sequence[Array], spread: float) -> list[Mask]:
-    """Windows that stand alone, and farther off than what is no count at all."""
+def _alone(
+    problem: Problem, left: Sequence[Array], effects: Sequence[Applied], spread: float
+) -> list[Mask]:
+    """Windows that stand alone, by more than what is no count, or than an effect may be off by."""
     far = spiked(problem.stretches, left, problem.noise, near_steps=True, times=PLAIN * spread)
     least_rad_s = [_OF_COUNT * (s.context.count_rad_s or 0.0) for s in problem.stretches]
-    parts = zip(far, left, least_rad_s, strict=True)
-    return [f & (np.abs(residual) > least) for f, residual, least in parts]
+    changes = problem.change_rad_s(effects)
+    parts = zip(far, left, least_rad_s, changes, strict=True)
+    return [f & (np.abs(r) > np.maximum(least, 3.0 * OFF * np.abs(c))) for f, r, least, c in parts]
 
 
 def _estimates(effect: SporadicEffect, found: Weighed) -> tuple[Estimate, ...]:

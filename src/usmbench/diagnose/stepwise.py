@@ -26,14 +26,13 @@ Array = NDArray[np.float64]
 
 _MOST_CAUSES = 3
 _SECOND_LEAST = 40.0  # what patches bring, see "two causes" in benchmarks/naming_campaign.py
-_SECOND_SHARE = 0.01  # of the first, whose form may be off by as much
+_TRIFLE = 1e-3  # of what those before it bring
 # That a cause has to explain better: rows, or places in the runs, where it acts at starts only.
 _FEWEST_ROWS, _FEWEST_PLACES = 8.0, 2.5
 _GAINED, _APART = 20.0, 5  # deviance of a row beyond chance; rows without between two places
 _LEAST_CLEAR = 0.1  # of the rows: what is left where chance cannot strike must tell something
 _MOST_OF_ROW = 100.0  # deviance: ten times the noise
 _TURNS = 4  # of weighing one of two causes given the other
-_HARDLY = 0.5  # of the noise
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,21 +131,13 @@ def _holds(problem: Problem, found: Named, longer: Fit, more: Array) -> bool:
 
 
 def _earned(problem: Problem, found: Named, longer: Fit) -> bool:
-    """Whether a further cause explains more than what the form of a large one may be off by.
-
-    Where those before it hardly act, none of theirs is.
-    """
-    gained = (longer.statistic - found.fit.statistic) / found.spread**2
-    if gained > max(_SECOND_LEAST, _SECOND_SHARE * found.rankings[0][0].statistic):
-        return True
-    changes = problem.change_rad_s(found.fit.effects)
-    hardly = [
-        mask & (np.abs(change) < _HARDLY * problem.noise.level_rad_s(stretch))
-        for stretch, mask, change in zip(problem.stretches, problem.masks, changes, strict=True)
-    ]
-    there = problem.with_masks(hardly)
-    before, after = (there.left(fit.effects) for fit in (found.fit, longer))
-    return float(before @ before - after @ after) > _SECOND_LEAST * found.spread**2
+    """Whether a further cause explains more than what the form of those before may be off by."""
+    doubting = problem.doubting(found.fit.effects)
+    before, after = (doubting.left(fit.effects) for fit in (found.fit, longer))
+    gained = float(before @ before - after @ after) / found.spread**2
+    # A third speaks against those before it, and must not be a trifle beside them.
+    trifle = _TRIFLE * found.fit.statistic if len(found.rankings) > 1 else 0.0
+    return gained > max(_SECOND_LEAST, trifle)
 
 
 def _together(

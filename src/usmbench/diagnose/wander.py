@@ -26,7 +26,8 @@ _BEST_GAIN = 2e-4  # no bench repeats better than that
 _RESONANCE = 3e-6  # by which a fifth of a kelvin moves it: no bench starts warmer by less
 _FEWEST = 0.5  # degrees of freedom that an estimate needs
 _MOST_ROUNDS, _AT_REST = 300, 1e-3
-_SWEEPS, _TRIED, _BEYOND = 3, 60, 4.0  # of plausible deviations: rounds, values, the last one
+_SWEEPS, _TRIED, _BEYOND = 3, 200, 4.0  # of plausible deviations: rounds, values, the last one
+_PLAUSIBLY = 0.7
 _STICKING = (0.0, 0.02, 0.05)  # shares of the highest speed: from, most, to
 _STANDING = 0.01  # of the highest speed: in the dead zone a fitted curve is not exactly 0
 _STEP = 0.1  # of a habit's size, for its derivative
@@ -194,8 +195,8 @@ def measured_wander(widest: Wander, least: Wander, gram: Array, slope: Array) ->
     under it, over as many of them as the runs determine (MacKay 1992,
     doi:10.1162/neco.1992.4.3.415). Of departures that look alike, as a gain and less friction do,
     those go that the others make unlikely. A standard deviation of few values is itself uncertain:
-    the mean is taken of those that are plausible beside the others, any order of magnitude being as
-    plausible beforehand.
+    the one is taken below which it lies at odds of 7 to 3, the others being as they are, and any
+    order of magnitude as plausible beforehand.
 
     Parameters
     ----------
@@ -239,7 +240,7 @@ def _determined(gram: Array, slope: Array, size: Array) -> tuple[Array, Array]:
 
 
 def _plausible(gram: Array, slope: Array, size: Array, which: int, floor: float) -> float:
-    """Return the mean of one departure's plausible deviations, the others being as they are."""
+    """Return what one departure's deviation is plausibly below, the others being as they are."""
     n, variance = slope.size, np.tile(size**2, slope.shape[0])
     own = np.arange(n) % size.size == which
     whole = gram.reshape(n, n)
@@ -252,8 +253,8 @@ def _plausible(gram: Array, slope: Array, size: Array, which: int, floor: float)
     seen = 1.0 + squares * np.maximum(power, 0.0)
     explained = squares * (ways.T @ left[:, -1]) ** 2 / seen
     likely = 0.5 * np.sum(explained - np.log(seen), axis=1)
-    weight = np.exp(likely - np.max(likely))
-    return float(weight @ tried / np.sum(weight))
+    below = np.cumsum(np.exp(likely - np.max(likely)))
+    return float(np.interp(_PLAUSIBLY * below[-1], below, tried))
 
 
 def _of_deviations(deviations: Array, least: Wander) -> Wander:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.stats import chi2
 
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.reference import with_knowledge
@@ -183,10 +184,10 @@ def _equations(runs: Array, precision: Array) -> tuple[Array, Array]:
 def test_the_wander_is_the_spread_of_the_runs_and_what_their_number_leaves_open() -> None:
     runs = 0.3 * np.concatenate([RUNS, RUNS]) * WIDEST.deviations
     found = measured_wander(WIDEST, LEAST, *_equations(runs, 1e14 * np.eye(11)))
-    # Four values, three of them free: the mean of the inverse chi distribution.
-    spread = 0.3 * 2.0 * np.sqrt(2.0 / np.pi)
-    assert found.gain == pytest.approx(0.01 * spread, rel=0.02)
-    assert found.gain_tilt[1] == pytest.approx(1e-3 * spread, rel=0.02)
+    # Four values, three of them free.
+    spread = 0.3 * 2.0 / np.sqrt(chi2.ppf(0.3, 3))
+    assert found.gain == pytest.approx(0.01 * spread, rel=0.05)
+    assert found.gain_tilt[1] == pytest.approx(1e-3 * spread, rel=0.05)
     assert found.held_back_rad_s == pytest.approx((0.2 * spread, 0.1 * spread), rel=0.05)
 
 

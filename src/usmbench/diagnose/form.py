@@ -1,0 +1,41 @@
+"""How far the form of an effect may be off: it is no motor, and what it leaves is no news.
+
+A large effect that is right in its kind leaves a share of itself, by speed, direction, and time
+since each kind of step, that a further cause would be made of.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.diagnose.noise import KINDS, step_kind
+from usmbench.diagnose.shapes import hats
+from usmbench.diagnose.stretches import Stretch
+
+Array = NDArray[np.float64]
+
+OFF = 0.1  # standard deviation, as a share of the effect
+ROUGHLY = 0.02  # the same from window to window
+_SPEEDS = (0.0, 0.1, 0.3, 0.6, 1.0)  # of the highest
+_LAGS = (0.0, 1.0, 2.0, 4.0, 10.0)  # windows since the step
+
+
+def off_in_form(stretch: Stretch, change_rad_s: Array) -> Array:
+    """Return by what an effect may be off, in columns of one standard deviation, shape (N, D).
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    change_rad_s
+        What the effect changes, shape (N,).
+    """
+    settled = np.abs(stretch.settled_rad_s)
+    share = settled / max(float(np.max(settled, initial=0.0)), 1e-12)
+    kind, after_step = step_kind(stretch), list(hats(stretch.lag.astype(float), np.array(_LAGS)))
+    columns = [
+        *hats(share, np.array(_SPEEDS)),
+        *(after * (kind == k) for k in range(KINDS) for after in after_step),
+        np.sign(stretch.settled_rad_s),
+    ]
+    off: Array = OFF * change_rad_s[:, None] * np.column_stack(columns)
+    return off
