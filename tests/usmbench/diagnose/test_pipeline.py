@@ -116,6 +116,25 @@ def test_friction_at_one_speed_is_no_loss_of_counts(model: HammersteinModel) -> 
     assert diagnose([replace(record, speed_rad_s=sung)], model).verdict == "unexplained"
 
 
+@pytest.mark.parametrize(("starts", "named"), [(1, False), (6, True)])
+def test_what_shows_at_a_few_starts_only_is_named_from_several_on(
+    model: HammersteinModel, starts: int, named: bool
+) -> None:
+    stop = np.r_[np.arange(60.0, 0.0, -1.3), np.zeros(20), np.arange(0.0, 60.0, 1.3)]
+    runs_on = np.full(2000 // starts - stop.size, 60.0)
+    sticking = applied("dead_zone_hysteresis", "sticking", start_later_deg=3.0)
+    found = diagnose([driven(np.tile(np.r_[runs_on, stop], starts), 19, sticking)], model)
+    assert ("dead_zone_hysteresis" in [cause.name for cause in found.causes]) == named
+
+
+def test_a_ripple_faster_than_a_window_is_no_swinging_load(model: HammersteinModel) -> None:
+    rng = np.random.default_rng(8)
+    record = driven(np.repeat(rng.uniform(-88.0, 88.0, 100), 20), 8)
+    ripple = 0.06 * np.sin(0.86 * np.arange(2000)) * (np.abs(record.speed_rad_s) > 0.3)
+    found = diagnose([replace(record, speed_rad_s=record.speed_rad_s + ripple)], model)
+    assert found.verdict == "unexplained"
+
+
 @pytest.mark.parametrize(("reversals", "named"), [(2, False), (60, True)])
 def test_a_cause_that_acts_on_a_handful_of_windows_is_not_named(
     model: HammersteinModel, reversals: int, named: bool

@@ -7,7 +7,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from usmbench.model.effects import speed_scale
+from usmbench.model.effects import dead_zone_hysteresis, speed_scale
 from usmbench.model.effects.base import Context
 from usmbench.model.effects.coupling_backlash import CouplingBacklash
 from usmbench.model.effects.first_order import first_order, lag_and_delay_s
@@ -93,3 +93,26 @@ def test_a_soft_shaft_rings_with_its_period_and_settles() -> None:
     above = np.flatnonzero(np.diff(np.sign(disc[5:] - 1.0)))
     assert math.isclose(2.0 * WINDOW_S * float(np.mean(np.diff(above))), 0.2, rel_tol=0.05)
     assert math.isclose(disc[-1], 1.0, abs_tol=1e-2)
+
+
+def test_a_start_takes_more_on_one_side_at_rest_or_also_on_the_way_through() -> None:
+    phase_deg = np.array([0.0, 12.0, 20.0, 12.0, 0.0, -12.0, -20.0, -12.0, 12.0, 20.0])
+    settled = np.sign(phase_deg) * np.maximum(np.abs(phase_deg) - 10.0, 0.0)
+    context = replace(
+        _context(phase_deg.size),
+        phase_deg=phase_deg,
+        settled_rad_s=lambda p: np.sign(p) * np.maximum(np.abs(p) - 10.0, 0.0),
+    )
+    stuck = {
+        form.form: np.flatnonzero(
+            form.apply(settled, context, {"start_later_deg": 5.0}) != settled
+        ).tolist()
+        for form in dead_zone_hysteresis.FORMS
+        if isinstance(form, dead_zone_hysteresis.Sticking)
+    }
+    assert stuck == {
+        "sticking": [1, 5, 8],
+        "sticking at rest": [1, 5],
+        "sticking forwards": [1, 8],
+        "sticking backwards": [5],
+    }
