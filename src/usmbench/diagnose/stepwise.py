@@ -26,7 +26,8 @@ Array = NDArray[np.float64]
 
 _MOST_CAUSES = 3
 _SECOND_LEAST = 40.0  # what patches bring, see "two causes" in benchmarks/naming_campaign.py
-_TRIFLE = 1e-3  # of what those before it bring
+_SECOND_SHARE = 0.005  # of the first, whose form may be off by as much
+_HARDLY = 0.5  # of the noise
 # That a cause has to explain better: rows, or places in the runs, where it acts at starts only.
 _FEWEST_ROWS, _FEWEST_PLACES = 8.0, 2.5
 _GAINED, _APART = 20.0, 5  # deviance of a row beyond chance; rows without between two places
@@ -131,13 +132,30 @@ def _holds(problem: Problem, found: Named, longer: Fit, more: Array) -> bool:
 
 
 def _earned(problem: Problem, found: Named, longer: Fit) -> bool:
-    """Whether a further cause explains more than what the form of those before may be off by."""
-    doubting = problem.doubting(found.fit.effects)
-    before, after = (doubting.left(fit.effects) for fit in (found.fit, longer))
-    gained = float(before @ before - after @ after) / found.spread**2
-    # A third speaks against those before it, and must not be a trifle beside them.
-    trifle = _TRIFLE * found.fit.statistic if len(found.rankings) > 1 else 0.0
-    return gained > max(_SECOND_LEAST, trifle)
+    """Whether a further cause explains more than what the form of those before it may be off by.
+
+    A share of itself, by speed and time since the step; and half a hundredth of its evidence, but where
+    it hardly acts.
+    """
+    least = _SECOND_LEAST * found.spread**2
+    fits = found.fit.effects, longer.effects
+    if _gained_on(problem.doubting(found.fit.effects), *fits) < least:
+        return False
+    share = _SECOND_SHARE * found.rankings[0][0].statistic * found.spread**2
+    if longer.statistic - found.fit.statistic > max(least, share):
+        return True
+    changes = problem.change_rad_s(found.fit.effects)
+    hardly = [
+        mask & (np.abs(change) < _HARDLY * problem.noise.level_rad_s(stretch))
+        for stretch, mask, change in zip(problem.stretches, problem.masks, changes, strict=True)
+    ]
+    return _gained_on(problem.with_masks(hardly), *fits) > least
+
+
+def _gained_on(problem: Problem, before: Sequence[Applied], after: Sequence[Applied]) -> float:
+    """Deviance that the longer of two fits takes from a problem."""
+    fewer, more = problem.left(before), problem.left(after)
+    return float(fewer @ fewer - more @ more)
 
 
 def _together(
