@@ -134,8 +134,8 @@ def _holds(problem: Problem, found: Named, longer: Fit, more: Array) -> bool:
 def _earned(problem: Problem, found: Named, longer: Fit) -> bool:
     """Whether a further cause explains more than what the form of those before it may be off by.
 
-    A share of itself, by speed and time since the step; and half a hundredth of its evidence, but where
-    it hardly acts.
+    A share of itself, by speed and time since the step; and half a per cent of its evidence, but
+    where it hardly acts.
     """
     least = _SECOND_LEAST * found.spread**2
     fits = found.fit.effects, longer.effects
