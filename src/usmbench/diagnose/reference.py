@@ -24,9 +24,9 @@ from usmbench.diagnose.wander import (
     ANY,
     LEAST,
     departures,
-    measured_wander,
     wander_of_shares,
 )
+from usmbench.diagnose.wander_estimate import beside, measured_wander
 from usmbench.errors import InputError
 from usmbench.model.effects.base import Stage
 from usmbench.model.effects.registry import library
@@ -184,15 +184,10 @@ def _learn(
     extra = _between(features.groups, grams, slopes)
     root = np.linalg.cholesky(covariance[: prior.size, : prior.size] + np.diag(extra**2))
     runs = theta[prior.size :].reshape(n_runs, n_own)
-    equations = _beside(grams.sum(axis=0), slope, prior.size, (n_runs, n_own))
+    learnt = np.arange(size) < prior.size
+    left, toward = beside(grams.sum(axis=0) + np.diag(learnt.astype(float)), slope, ~learnt)
+    equations = left.reshape(runs.shape * 2), toward.reshape(runs.shape)
     return prior * theta[: prior.size], prior[:, None] * root, runs, equations
-
-
-def _beside(gram: Array, slope: Array, n: int, shape: tuple[int, int]) -> tuple[Array, Array]:
-    """Return normal equations of the runs' own departures with the first n learnt."""
-    learnt = np.linalg.solve(gram[:n, :n] + np.eye(n), np.c_[gram[:n, n:], slope[:n]])
-    own = np.c_[gram[n:, n:], slope[n:]] - gram[n:, :n] @ learnt
-    return own[:, :-1].reshape(shape * 2), own[:, -1].reshape(shape)
 
 
 def _far_shares(parts: Sequence[Part], theta: Array) -> list[Array]:

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import helmert
 
 from usmbench.diagnose.shapes import detuned_rad_s, highest_rad_s, later_rad_s_per_s, shown
 from usmbench.diagnose.stretches import Stretch
@@ -24,10 +23,6 @@ _WARMS, _WARMS_ALIKE = 0.25, 0.05  # not every plan is among them
 _STRONGER, _AS_STRONG = 0.1, 0.02
 _BEST_GAIN = 2e-4  # no bench repeats better than that
 _RESONANCE = 3e-6  # by which a fifth of a kelvin moves it: no bench starts warmer by less
-_FEWEST = 0.5  # degrees of freedom that an estimate needs
-_MOST_ROUNDS, _AT_REST = 300, 1e-3
-_SWEEPS, _TRIED, _BEYOND = 3, 200, 4.0  # of plausible deviations: rounds, values, the last one
-_PLAUSIBLY = 0.7
 _STICKING = (0.0, 0.02, 0.05)  # shares of the highest speed: from, most, to
 _STANDING = 0.01  # of the highest speed: in the dead zone a fitted curve is not exactly 0
 _STEP = 0.1  # of a habit's size, for its derivative
@@ -188,78 +183,29 @@ def _further(habit: Applied) -> dict[str, float]:
     return {p.name: p.null + (1.0 + _STEP) * (habit.values[p.name] - p.null) for p in sized}
 
 
-def measured_wander(widest: Wander, least: Wander, gram: Array, slope: Array) -> Wander:
-    """Estimate the wander from what the runs show of their departures.
-
-    First the most likely standard deviations: each is that of the departures, as they are estimated
-    under it, over as many of them as the runs determine (MacKay 1992,
-    doi:10.1162/neco.1992.4.3.415). Of departures that look alike, as a gain and less friction do,
-    those go that the others make unlikely. A standard deviation of few values is itself uncertain:
-    the one is taken below which it lies at odds of 7 to 3, the others being as they are, and any
-    order of magnitude as plausible beforehand.
+def lowest_shown(least: Wander) -> Wander:
+    """Return the least that runs show that repeat as well as any.
 
     Parameters
     ----------
-    widest, least
-        What any run may be off by, and what stands in where the runs do not show it.
-    gram, slope
-        Normal equations of each run's departures, all that is learnt beside them taken out, shape
-        (R, W, R, W) and (R, W).
+    least
+        What stands in where they do not show it.
     """
-    if slope.shape[0] < 2:
-        return least
-    apart = helmert(slope.shape[0])  # the mean belongs to the model
-    unit = widest.deviations
-    gram = np.einsum("kr,rvsw,ls->kvlw", apart, gram, apart) * unit[:, None, None] * unit
-    slope = apart @ slope * unit
-    lowest = replace(
-        least, gain=_BEST_GAIN, warms=(_WARMS_ALIKE, _WARMS_ALIKE), habit_share=_AS_STRONG
-    )
-    floor, size = lowest.deviations / unit, np.ones(unit.size)
-    _, free = _determined(gram, slope, size)
-    shown = (free > _FEWEST) & (floor < 1.0)
-    size = np.where(shown, size, least.deviations / unit)
-    for _ in range(_MOST_ROUNDS):
-        square, determined = _determined(gram, slope, size)
-        likely = np.maximum(np.sqrt(square / np.maximum(determined, 1e-12)), floor)
-        before, size = size, np.where(shown, likely, size)
-        if np.allclose(before, size, rtol=_AT_REST):
-            break
-    for which in np.tile(np.flatnonzero(shown), _SWEEPS):
-        size[which] = _plausible(gram, slope, size, int(which), float(floor[which]))
-    return _of_deviations(size * unit, least)
+    warms = (_WARMS_ALIKE, _WARMS_ALIKE)
+    return replace(least, gain=_BEST_GAIN, warms=warms, habit_share=_AS_STRONG)
 
 
-def _determined(gram: Array, slope: Array, size: Array) -> tuple[Array, Array]:
-    """Return each departure's sum of squares, and how many values of it are determined, (W,)."""
-    n, variance = slope.size, np.tile(size**2, slope.shape[0])
-    covariance = np.linalg.inv(gram.reshape(n, n) + np.diag(1.0 / variance))
-    values = (covariance @ slope.ravel()).reshape(slope.shape)
-    free = (1.0 - np.diag(covariance) / variance).reshape(slope.shape)
-    return np.sum(values**2, axis=0), np.sum(free, axis=0)
+def wander_of_deviations(deviations: Array, n_tilts: int) -> Wander:
+    """Return the wander with given `Wander.deviations`.
 
-
-def _plausible(gram: Array, slope: Array, size: Array, which: int, floor: float) -> float:
-    """Return what one departure's deviation is plausibly below, the others being as they are."""
-    n, variance = slope.size, np.tile(size**2, slope.shape[0])
-    own = np.arange(n) % size.size == which
-    whole = gram.reshape(n, n)
-    beside = whole[~own][:, ~own] + np.diag(1.0 / variance[~own])
-    learnt = np.linalg.solve(beside, np.c_[whole[~own][:, own], slope.ravel()[~own]])
-    left = np.c_[whole[own][:, own], slope.ravel()[own]] - whole[own][:, ~own] @ learnt
-    power, ways = np.linalg.eigh(left[:, :-1])
-    tried = np.geomspace(floor, _BEYOND, _TRIED)
-    squares = tried[:, None] ** 2
-    seen = 1.0 + squares * np.maximum(power, 0.0)
-    explained = squares * (ways.T @ left[:, -1]) ** 2 / seen
-    likely = 0.5 * np.sum(explained - np.log(seen), axis=1)
-    below = np.cumsum(np.exp(likely - np.max(likely)))
-    return float(np.interp(_PLAUSIBLY * below[-1], below, tried))
-
-
-def _of_deviations(deviations: Array, least: Wander) -> Wander:
-    """Return the wander with these `Wander.deviations`."""
-    ends = 1 + len(least.gain_tilt)
+    Parameters
+    ----------
+    deviations
+        As `Wander.deviations` returns them, shape (W,).
+    n_tilts
+        How many of them are tilts of the gain.
+    """
+    ends = 1 + n_tilts
     gain, *gain_tilt = (float(d) for d in deviations[:ends])
     late_s, _, stuck_rad_s, *held_back, more, later, habit = (float(d) for d in deviations[ends:])
     return Wander(
