@@ -108,7 +108,10 @@ def report(outcomes: Sequence[Outcome]) -> None:
         rows = [o for o in outcomes if o.times_noise == times_noise and o.cause != NOTHING]
         for cause in dict.fromkeys(o.cause for o in rows):
             _line(cause, [o for o in rows if o.cause == cause])
-        _line("all of the library", [o for o in rows if o.cause != OUTSIDE])
+        known = [o for o in rows if o.cause != OUTSIDE]
+        for n in sorted({o.conditions.n for o in known}):
+            _line(f"of the library, {n} windows", [o for o in known if o.conditions.n == n])
+        _line("all of the library", known)
     healthy = [o for o in outcomes if o.cause == NOTHING]
     print("\nnothing hidden" + " " * 22 + "said so            and nothing named")
     for n in sorted({o.conditions.n for o in healthy}):
