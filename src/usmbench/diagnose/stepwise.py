@@ -28,6 +28,7 @@ _MOST_CAUSES = 3
 _SECOND_LEAST = 40.0  # what patches bring, see "two causes" in benchmarks/naming_campaign.py
 _SECOND_SHARE = 0.005  # of the first, whose form may be off by as much
 _HARDLY = 0.5  # of the noise
+_UNUSUAL = 1e-9  # probability of a habit that is a cause, see "nothing hidden" there
 # That a cause has to explain better: rows, or places in the runs, where it acts at starts only.
 _FEWEST_ROWS, _FEWEST_PLACES = 8.0, 2.5
 _GAINED, _APART = 20.0, 5  # deviance of a row beyond chance; rows without between two places
@@ -77,7 +78,7 @@ def name_causes(
     spread
         Standard deviation of the whitened noise where nothing is named.
     """
-    found, here, earned = Named([], NOTHING, spread), ranked, np.zeros(1)
+    found, here, earned = Named([], NOTHING, spread), _unusual(problem, ranked), np.zeros(1)
     while here and len(found.rankings) < _MOST_CAUSES:
         if here[0].p_value >= CLEAR or here[0].score <= 0.0:
             break
@@ -93,8 +94,15 @@ def name_causes(
         if here[0].effect.by_chance and scatters(problem, longer.effects):
             return _with_the_rest(problem, effects, found)
         taken = set().union(*map(same_shape, found.rankings))
-        here = rank(problem, [e for e in effects if e.name not in taken], left, longer)
+        others = [e for e in effects if e.name not in taken]
+        here = _unusual(problem, rank(problem, others, left, longer))
     return found
+
+
+def _unusual(problem: Problem, ranked: list[Ranked]) -> list[Ranked]:
+    """Leave out what healthy runs show anyhow, unless it is far beyond what a day may do."""
+    habits = {habit["name"] for habit in problem.known.habits}
+    return [r for r in ranked if r.effect.name not in habits or r.p_value < _UNUSUAL]
 
 
 def _with_the_rest(problem: Problem, effects: Sequence[Effect], found: Named) -> Named:

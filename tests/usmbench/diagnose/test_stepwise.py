@@ -1,0 +1,47 @@
+"""Which causes are named, one after the other."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from usmbench.diagnose.fitting import Fit
+from usmbench.diagnose.knowledge import knowledge_of
+from usmbench.diagnose.naming import Ranked
+from usmbench.diagnose.noise_estimate import estimate_noise
+from usmbench.diagnose.problem import Problem
+from usmbench.diagnose.stepwise import name_causes
+from usmbench.diagnose.stretches import Stretch
+from usmbench.diagnose.views import omnibus
+from usmbench.model.effects.registry import find_effect
+from usmbench.model.extended import Applied
+from usmbench.model.hammerstein import HammersteinModel
+
+LOST = Applied(find_effect("stick_slip", ""), {"lost_rad_s": 0.2, "fades_rad_s": 2.0})
+
+
+@pytest.mark.parametrize(
+    ("habitual", "p_value", "named"),
+    [(False, 1e-6, True), (True, 1e-6, False), (True, 1e-12, True)],
+)
+def test_what_healthy_runs_show_is_named_only_far_beyond_what_a_day_does(
+    stretches: list[Stretch],
+    model: HammersteinModel,
+    habitual: bool,
+    p_value: float,
+    named: bool,
+) -> None:
+    uses = [s.use for s in stretches]
+    noise = np.random.default_rng(1)
+    white = [0.01 * noise.standard_normal(s.context.n) for s in stretches]
+    habits = (LOST.to_mapping(),) if habitual else ()
+    known = replace(knowledge_of(model), habits=habits)
+    problem = Problem(stretches, known, estimate_noise(stretches, white, uses), uses)
+    change = problem.change_rad_s([LOST])
+    problem.residual_rad_s = [w + c for w, c in zip(white, change, strict=True)]
+    problem = problem.with_masks(uses)
+    left = problem.left([LOST])
+    fit = Fit((LOST,), problem.deviance - float(left @ left), 0.0)
+    ranked = [Ranked(LOST.effect, fit, fit.statistic, p_value, fit.statistic)]
+    found = name_causes(problem, omnibus(problem)["all"], ranked, [LOST.effect], 1.0)
+    assert [ranking[0].effect.name for ranking in found.rankings] == ["stick_slip"] * named
