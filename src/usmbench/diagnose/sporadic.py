@@ -20,9 +20,10 @@ from usmbench.model.extended import Applied
 
 Array = NDArray[np.float64]
 
-_FEWEST = 3
+_FEWEST = 3  # far out without a neighbour: fewer may be knocks
 _AS_USUAL = 2.0  # times the rate of the identified runs: their plans differ
 _OF_COUNT = 0.25  # a counter is off by whole ones
+_OF_EFFECT = 3.0 * OFF  # what its form may be off by is no count
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +108,7 @@ def _alone(
     least_rad_s = [_OF_COUNT * (s.context.count_rad_s or 0.0) for s in problem.stretches]
     changes = problem.change_rad_s(effects)
     parts = zip(far, left, least_rad_s, changes, strict=True)
-    return [f & (np.abs(r) > np.maximum(least, 3.0 * OFF * np.abs(c))) for f, r, least, c in parts]
+    return [f & (np.abs(r) > np.maximum(least, _OF_EFFECT * np.abs(c))) for f, r, least, c in parts]
 
 
 def _estimates(effect: SporadicEffect, found: Weighed) -> tuple[Estimate, ...]:

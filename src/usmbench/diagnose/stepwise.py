@@ -19,21 +19,16 @@ from usmbench.diagnose.naming import (
 from usmbench.diagnose.problem import Basis, Problem
 from usmbench.diagnose.refining import refine_widely
 from usmbench.diagnose.views import omnibus
+from usmbench.diagnose.worth import worth_a_name
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
 
 Array = NDArray[np.float64]
 
 _MOST_CAUSES = 3
-_SECOND_LEAST = 40.0  # what patches bring, see "two causes" in benchmarks/naming_campaign.py
-_SECOND_SHARE = 0.005  # of the first, whose form may be off by as much
-_HARDLY = 0.5  # of the noise
-_UNUSUAL = 1e-9  # probability of a habit that is a cause, see "nothing hidden" there
-# That a cause has to explain better: rows, or places in the runs, where it acts at starts only.
-_FEWEST_ROWS, _FEWEST_PLACES = 8.0, 2.5
-_GAINED, _APART = 20.0, 5  # deviance of a row beyond chance; rows without between two places
+# For what healthy runs show anyhow; see "nothing hidden" in benchmarks/naming_campaign.py.
+_UNUSUAL = 1e-9
 _LEAST_CLEAR = 0.1  # of the rows: what is left where chance cannot strike must tell something
-_MOST_OF_ROW = 100.0  # deviance: ten times the noise
 _TURNS = 4  # of weighing one of two causes given the other
 
 
@@ -87,7 +82,8 @@ def name_causes(
             before, here = _together(problem, effects, found.spread, before[0], here)
         longer = refine_widely(problem, here[0].fit)
         drop = held_out_drop(problem, longer)
-        if not _holds(problem, found, longer, drop - earned):
+        first = found.rankings[0][0].statistic if found.rankings else 0.0
+        if not worth_a_name(problem, found.fit, longer, drop - earned, first, found.spread):
             break
         left = noise_spread(problem, basis, longer.effects)
         found, earned = Named([*before, here], longer, left), drop
@@ -127,45 +123,6 @@ def _with_the_rest(problem: Problem, effects: Sequence[Effect], found: Named) ->
     return Named([found.rankings[-1], *rest.rankings], fit, found.spread)
 
 
-def _holds(problem: Problem, found: Named, longer: Fit, more: Array) -> bool:
-    """Whether what a further cause explains is worth a name."""
-    if found.rankings and not _earned(problem, found, longer):
-        return False
-    # One block alone may be an accident.
-    unseen = min(float(np.sum(more)), float(np.sum(more) - np.max(more)))
-    if unseen <= 0.0:
-        return False
-    gained = _gained(problem, found.fit, longer)
-    return _effective(gained) >= _FEWEST_ROWS or _places(problem, gained) >= _FEWEST_PLACES
-
-
-def _earned(problem: Problem, found: Named, longer: Fit) -> bool:
-    """Whether a further cause explains more than what the form of those before it may be off by.
-
-    A share of itself, by speed and time since the step; and half a per cent of its evidence, but
-    where it hardly acts.
-    """
-    least = _SECOND_LEAST * found.spread**2
-    fits = found.fit.effects, longer.effects
-    if _gained_on(problem.doubting(found.fit.effects), *fits) < least:
-        return False
-    share = _SECOND_SHARE * found.rankings[0][0].statistic * found.spread**2
-    if longer.statistic - found.fit.statistic > max(least, share):
-        return True
-    changes = problem.change_rad_s(found.fit.effects)
-    hardly = [
-        mask & (np.abs(change) < _HARDLY * problem.noise.level_rad_s(stretch))
-        for stretch, mask, change in zip(problem.stretches, problem.masks, changes, strict=True)
-    ]
-    return _gained_on(problem.with_masks(hardly), *fits) > least
-
-
-def _gained_on(problem: Problem, before: Sequence[Applied], after: Sequence[Applied]) -> float:
-    """Deviance that the longer of two fits takes from a problem."""
-    fewer, more = problem.left(before), problem.left(after)
-    return float(fewer @ fewer - more @ more)
-
-
 def _together(
     problem: Problem,
     effects: Sequence[Effect],
@@ -190,29 +147,6 @@ def _together(
             break
         first, second, brings = second, again, more
     return [first], second
-
-
-def _gained(problem: Problem, fit: Fit, longer: Fit) -> Array:
-    """Deviance that more causes take from each row that counts, shape (N,).
-
-    What acts by chance strikes some rows far harder than others, which speaks not against them.
-    """
-    before, after = (problem.left(f.effects)[: problem.n_rows] ** 2 for f in (fit, longer))
-    most = _MOST_OF_ROW if longer.effects[-1].effect.by_chance else np.inf
-    return np.asarray(np.clip(before - after, 0.0, most))
-
-
-def _effective(gained: Array) -> float:
-    """Effective number of rows behind a gain: (Σd)²/Σd²."""
-    return float(np.sum(gained) ** 2 / max(float(np.sum(gained**2)), 1e-300))
-
-
-def _places(problem: Problem, gained: Array) -> float:
-    """Effective number of places behind a gain: rows that lie together, none of them a giant."""
-    rows = np.flatnonzero(np.concatenate(problem.valid))[gained > _GAINED]
-    place = np.cumsum(np.diff(rows, prepend=rows[:1]) > _APART)
-    sums = np.bincount(place, weights=gained[gained > _GAINED])
-    return _effective(np.minimum(sums, _MOST_OF_ROW))
 
 
 def noise_spread(problem: Problem, basis: Basis, effects: Sequence[Applied]) -> float:

@@ -23,8 +23,8 @@ class Sticking(Effect):
     meaning = _MEANING
     mend = _MEND
     stage = "settled"
-    sides: ClassVar[tuple[float, ...]] = (-1.0, 1.0)
-    at_reversals: ClassVar[bool] = True
+    sides: ClassVar[tuple[float, ...]] = (-1.0, 1.0)  # ways in which a start takes more
+    at_reversals: ClassVar[bool] = True  # a rotor that is reversed passes through standstill
     parameters = (Parameter("start_later_deg", "deg", 0.0, 0.0, 60.0, 1.0, scanned=True),)
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:

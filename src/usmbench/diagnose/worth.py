@@ -1,0 +1,96 @@
+"""Whether what a further cause explains is worth a name."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.diagnose.fitting import Fit
+from usmbench.diagnose.problem import Problem
+from usmbench.model.extended import Applied
+
+Array = NDArray[np.float64]
+
+_SECOND_LEAST = 40.0  # what patches bring, see "two causes" in benchmarks/naming_campaign.py
+_SECOND_SHARE = 0.005  # of the first, whose form may be off by as much
+_HARDLY = 0.5  # of the noise
+# That a cause has to explain better: rows, or places in the runs, where it acts at starts only.
+_FEWEST_ROWS, _FEWEST_PLACES = 8.0, 2.5
+_GAINED, _APART = 20.0, 5  # deviance of a row beyond chance; rows without between two places
+_MOST_OF_ROW = 100.0  # deviance: ten times the noise
+
+
+def worth_a_name(
+    problem: Problem, before: Fit, longer: Fit, unseen: Array, first: float, spread: float
+) -> bool:
+    """Return whether what a further cause explains is worth a name.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    before, longer
+        The fits without it and with it, the last of the effects.
+    unseen
+        Deviance that it takes from blocks that its fit has not seen, by fold, shape (F,).
+    first
+        What the first cause brings, in deviance over the noise's spread; 0 where it is the first.
+    spread
+        Standard deviation of the whitened noise, at least 1.
+    """
+    if before.effects and not _earned(problem, before, longer, first, spread):
+        return False
+    # One block alone may be an accident.
+    if min(float(np.sum(unseen)), float(np.sum(unseen) - np.max(unseen))) <= 0.0:
+        return False
+    gained = _by_row(problem, before, longer)
+    return _effective(gained) >= _FEWEST_ROWS or _places(problem, gained) >= _FEWEST_PLACES
+
+
+def _earned(problem: Problem, before: Fit, longer: Fit, first: float, spread: float) -> bool:
+    """Whether a further cause explains more than what the form of those before it may be off by.
+
+    A share of itself, by speed and time since the step; and half a per cent of its evidence, but
+    where it hardly acts.
+    """
+    least, share = (size * spread**2 for size in (_SECOND_LEAST, _SECOND_SHARE * first))
+    fits = before.effects, longer.effects
+    if _gained(problem.doubting(before.effects), *fits) < least:
+        return False
+    if longer.statistic - before.statistic > max(least, share):
+        return True
+    changes = problem.change_rad_s(before.effects)
+    hardly = [
+        mask & (np.abs(change) < _HARDLY * problem.noise.level_rad_s(stretch))
+        for stretch, mask, change in zip(problem.stretches, problem.masks, changes, strict=True)
+    ]
+    return _gained(problem.with_masks(hardly), *fits) > least
+
+
+def _gained(problem: Problem, before: Sequence[Applied], after: Sequence[Applied]) -> float:
+    """Deviance that more causes take from a problem."""
+    fewer, more = problem.left(before), problem.left(after)
+    return float(fewer @ fewer - more @ more)
+
+
+def _by_row(problem: Problem, before: Fit, longer: Fit) -> Array:
+    """Deviance that more causes take from each row that counts, shape (N,).
+
+    What acts by chance strikes some rows far harder than others, which speaks not against them.
+    """
+    fewer, more = (problem.left(f.effects)[: problem.n_rows] ** 2 for f in (before, longer))
+    most = _MOST_OF_ROW if longer.effects[-1].effect.by_chance else np.inf
+    return np.asarray(np.clip(fewer - more, 0.0, most))
+
+
+def _effective(gained: Array) -> float:
+    """Effective number of rows behind a gain: (Σd)²/Σd²."""
+    return float(np.sum(gained) ** 2 / max(float(np.sum(gained**2)), 1e-300))
+
+
+def _places(problem: Problem, gained: Array) -> float:
+    """Effective number of places behind a gain: rows that lie together, none of them a giant."""
+    rows = np.flatnonzero(np.concatenate(problem.valid))[gained > _GAINED]
+    place = np.cumsum(np.diff(rows, prepend=rows[:1]) > _APART)
+    sums = np.bincount(place, weights=gained[gained > _GAINED])
+    return _effective(np.minimum(sums, _MOST_OF_ROW))

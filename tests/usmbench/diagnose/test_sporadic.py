@@ -1,0 +1,28 @@
+"""Windows that stand alone, and what they are beside an effect that is large there."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from known_motor import NOISE_RAD_S, applied, driven, identified
+from usmbench.diagnose.knowledge import knowledge_of
+from usmbench.diagnose.problem import Problem
+from usmbench.diagnose.sporadic import find_sporadic
+from usmbench.diagnose.stretches import cut_runs
+
+
+@pytest.mark.parametrize(("scale_error", "found"), [(0.01, True), (0.3, False)])
+def test_what_an_effect_may_be_off_by_is_no_false_count(scale_error: float, found: bool) -> None:
+    model = identified()
+    effect = applied("speed_scale", "", scale_error=scale_error)
+    phase_deg = np.repeat(np.random.default_rng(2).uniform(30.0, 88.0, 100), 20)
+    record = driven(phase_deg, 4, effect)
+    off = np.zeros(phase_deg.size)
+    off[210::200] = 25.0 * NOISE_RAD_S
+    (stretch,), _ = cut_runs([replace(record, speed_rad_s=record.speed_rad_s + off)], model, ())
+    known = knowledge_of(model)
+    assert known.noise is not None
+    problem = Problem([stretch], known, known.noise, [stretch.use])
+    sporadic = find_sporadic(problem, [effect], 1.0)
+    assert (sporadic is not None) == found
