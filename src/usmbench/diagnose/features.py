@@ -6,7 +6,7 @@ runs that it was identified on.
 ========= ==========================================================================
 group     shape
 ========= ==========================================================================
-phase     a hat over φ, at each operating point: the curve's own error
+phase     a hat over φ, at each operating point, behind the linear part: the curve's own error
 direction the same, with the sign of the last move: what depends on where φ came from
 time      the speed, times a hat over time: the motor warms in every run
 heat      the speed, times the power it has taken so far: and warms by how it is driven
@@ -38,11 +38,14 @@ from usmbench.diagnose.shapes import (
     widening,
 )
 from usmbench.diagnose.stretches import Stretch
+from usmbench.model.hammerstein import LinearPart
+from usmbench.model.linear import from_rest
 
 Array = NDArray[np.float64]
 
 _TIME_NODES, _EDGE_NODES = 8, 4
 _TABLE = 2001
+_TRACE = 1e-4  # of what a change begins with
 _CELLS = (7, 5, 3, 2, 2, 2)  # nodes along each speed at each lag
 _DENSER = 2.5  # how much denser these are near standstill, where friction holds the rotor
 # Speeds near standstill, as shares of the highest: a rotor that sticks starts with a jump.
@@ -152,9 +155,9 @@ class Features:
         """
         speed = stretch.simulated_rad_s
         over_phase = list(hats(stretch.context.phase_deg, np.array(self.nodes_deg)))
-        for weight in stretch.points:
-            yield from (column * weight for column in over_phase)
-        yield from (column * stretch.direction for column in over_phase)
+        for weight in (*stretch.points, stretch.direction):
+            off = [column * weight for column in over_phase]
+            yield from _felt(stretch.context.linear, np.column_stack(off)).T
         yield from self._warming(stretch, speed)
         if self.steepest_rad_s is not None:
             # A shift that is there from the start is none of the phases': its sign differs
@@ -285,6 +288,15 @@ def features_of(stretches: Sequence[Stretch]) -> Features:
         _steepest_rad_s(stretches),
         unmeasured_rad_s(nodes_deg, measured_deg, table_deg, speeds),
     )
+
+
+def _felt(linear: LinearPart, off_rad_s: Array) -> Array:
+    """Pass changes of the settled speed through the linear part, and drop what is left at last.
+
+    Columns ought to be mostly zeros. A limit of the torque is left aside.
+    """
+    felt = from_rest(linear.b, linear.a, linear.dead_time_windows, off_rad_s)
+    return np.where(np.abs(felt) < _TRACE, 0.0, felt)
 
 
 def _at_point(stretches: Sequence[Stretch], point: int, phase_deg: Array) -> Array:
