@@ -246,7 +246,9 @@ def _stretch(
     rows, last = np.arange(context.n), dwell_begin(context.phase_deg)
     jump_rad_s = np.diff(simulated.settled_rad_s, prepend=simulated.settled_rad_s[:1])
     lag, step_rad_s = rows - last, jump_rad_s[last]
-    started = rows >= min(memory_windows(context.linear) + 3, _LONGEST_START)
+    # The model is no better where it still remembers how it started, or phases it does not know.
+    unknown = np.maximum.accumulate(np.where(use, -1, rows))
+    memory = min(memory_windows(context.linear) + 3, _LONGEST_START)
     return Stretch(
         run,
         name,
@@ -258,7 +260,7 @@ def _stretch(
         step_rad_s,
         np.sign(np.diff(context.phase_deg, prepend=context.phase_deg[:1]))[last],
         _jump(simulated.settled_rad_s, step_rad_s, lag),
-        use & started,
+        rows - unknown > memory,
         *at,
     )
 

@@ -1,0 +1,27 @@
+"""Which rows of a run are judged."""
+
+import numpy as np
+import pytest
+
+from usmbench.diagnose.stretches import cut_runs
+from usmbench.model.hammerstein import HammersteinModel
+from usmbench.runs.record import Record
+
+
+def test_rows_that_remember_phases_beyond_the_model_are_not_judged(
+    model: HammersteinModel,
+) -> None:
+    n = 200
+    phase_deg = np.full(n, 40.0)
+    phase_deg[100] = 120.0
+    t_s = 0.01 * np.arange(1.0, n + 1.0)
+    speed_rad_s = model.points[0].curve.speed_rad_s(phase_deg)
+    record = Record("run", t_s, phase_deg, speed_rad_s, np.full(n, 0.01))
+    (stretch,), warnings = cut_runs([record], model, ())
+    left_out = np.flatnonzero(~stretch.use)
+    first, after = left_out[left_out < 100], left_out[left_out >= 100]
+    assert first[0] == 0
+    assert np.array_equal(after, 100 + np.arange(first.size + 1))  # as long as the start is known
+    # Within these a lag of a third of a window is gone.
+    assert np.exp(-first.size * 0.01 / 0.0035) == pytest.approx(0.0, abs=1e-3)
+    assert "1 rows lie outside" in warnings[0]
