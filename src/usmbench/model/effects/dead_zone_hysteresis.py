@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
 
 _STANDING = 0.01  # share of the highest settled speed of the stretch below which the rotor stands
+_AT_START = 1.5  # windows: up to then a run is at its beginning, and its rotor at rest
 _MEANING = "The motor starts later than it stops: the dead zone depends on where φ comes from."
 _MEND = "Look at preload and friction layer; run in the contact; sweep slowly through 0°."
 
@@ -47,7 +48,8 @@ class Sticking(Effect):
         stops = np.abs(signal) <= least_rad_s
         if self.at_reversals:
             stops |= way != np.r_[way[:1], way[:-1]]
-        return np.where(_latched(starts, stops & ~starts), signal, 0.0)
+        runs = bool(context.t_s[0] > _AT_START * context.window_s)
+        return np.where(_latched(starts, stops & ~starts, runs), signal, 0.0)
 
     def grid(self, contexts: object) -> dict[str, Array]:
         """Return a few widths up to 40°.
@@ -119,11 +121,13 @@ def standing_rad_s(context: Context) -> float:
     return _STANDING * float(np.max(np.abs(context.settled_rad_s(context.phase_deg))))
 
 
-def _latched(starts: NDArray[np.bool_], stops: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """State of a latch that the one sets and the other resets; set before the first event."""
+def _latched(
+    starts: NDArray[np.bool_], stops: NDArray[np.bool_], before: bool
+) -> NDArray[np.bool_]:
+    """State of a latch that the one sets and the other resets, as before until then."""
     rows = np.arange(starts.size)
     last = np.maximum.accumulate(np.where(starts | stops, rows, -1))
-    state: NDArray[np.bool_] = np.where(last >= 0, starts[np.maximum(last, 0)], True)
+    state: NDArray[np.bool_] = np.where(last >= 0, starts[np.maximum(last, 0)], before)
     return state
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
 
-_TURNS = 0.5
+_TURNS = 0.1  # an arc in which a ripple bends by a twentieth of itself
 
 
 class EncoderEccentricity(Effect):
@@ -50,7 +50,7 @@ class EncoderEccentricity(Effect):
         turns = max((float(np.ptp(a)) / (2.0 * np.pi) for a in known), default=_TURNS)
         if turns >= _TURNS:
             return None
-        return f"the shaft turns {turns:.1f} times; a ripple once a revolution needs {_TURNS:g}"
+        return f"the shaft turns {turns:.2f} times; a ripple once a revolution needs {_TURNS:g}"
 
 
 FORMS = (EncoderEccentricity(),)

@@ -7,7 +7,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from usmbench.model.effects import dead_zone_hysteresis, speed_scale
+from usmbench.model.effects import dead_zone_hysteresis, encoder_eccentricity, speed_scale
 from usmbench.model.effects.base import Context
 from usmbench.model.effects.coupling_backlash import CouplingBacklash
 from usmbench.model.effects.first_order import first_order, lag_and_delay_s
@@ -116,3 +116,26 @@ def test_a_start_takes_more_on_one_side_at_rest_or_also_on_the_way_through() -> 
         "sticking forwards": [1, 8],
         "sticking backwards": [5],
     }
+
+
+def test_a_rotor_sticks_at_the_beginning_of_a_run_and_turns_where_one_is_cut() -> None:
+    phase_deg = np.array([12.0, 12.0, 20.0, 12.0])
+    settled = phase_deg - 10.0
+    begun = replace(
+        _context(4), phase_deg=phase_deg, settled_rad_s=lambda p: np.maximum(p - 10.0, 0.0)
+    )
+    cut = replace(begun, t_s=begun.t_s + 3.0)
+    sticking = dead_zone_hysteresis.Sticking()
+    shown = [sticking.apply(settled, c, {"start_later_deg": 5.0}) for c in (begun, cut)]
+    assert np.allclose(shown, [[0.0, 0.0, 10.0, 2.0], [2.0, 2.0, 10.0, 2.0]])
+
+
+def test_a_ripple_shows_in_an_arc_that_bends_it() -> None:
+    (eccentric,) = encoder_eccentricity.FORMS
+    turned = [
+        replace(_context(100), angle_rad=np.linspace(0.0, 2.0 * np.pi * turns, 100))
+        for turns in (0.05, 0.2)
+    ]
+    reasons = [eccentric.untestable([c]) for c in turned]
+    assert reasons[1] is None
+    assert "0.05 times" in str(reasons[0])
