@@ -109,7 +109,7 @@ class MotorBench:
             run = self.measured(excited, draw.number, defects, wire=draw.wire)
             if defects:
                 self._compare(outcome, read_run(run), draw)
-            outcome.take(self.diagnosis(run), float(np.mean(excited.frequencies_hz)))
+            outcome.take(self.diagnosis(run), excited.frequencies_hz)
         except UsmbenchError as error:
             outcome.error = str(error)
             return outcome

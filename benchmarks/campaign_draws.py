@@ -67,19 +67,25 @@ class Hidden:
         """The mechanisms."""
         return tuple(parse_defect(text) for text in self.defects)
 
-    def truth(self, frequency_hz: float) -> dict[str, float]:
+    def truth(self, frequencies_hz: Sequence[float]) -> dict[str, float]:
         """Return the cause's true parameters, where the mechanism has them in the library's units.
+
+        What is another at each drive frequency, as the angle of a late amplifier, has no true value
+        in a run at several.
 
         Parameters
         ----------
-        frequency_hz
-            Mean drive frequency of the run.
+        frequencies_hz
+            Drive frequencies of the run.
         """
         if self.group != "single":
             return {}
         (defect,) = self.made
         known = TRUTHS.get(defect.mechanism)
-        return {} if known is None else known(defect.size, frequency_hz)
+        if known is None:
+            return {}
+        first, *others = (known(defect.size, f) for f in frequencies_hz)
+        return {name: at for name, at in first.items() if all(o[name] == at for o in others)}
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,7 @@
 """What came out of one draw of the naming campaign."""
 
 import json
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -82,15 +83,15 @@ class Outcome:
         """Return the record's line."""
         return json.dumps({**asdict(self), "judgement": self.judgement}, ensure_ascii=False)
 
-    def take(self, found: dict[str, Any], frequency_hz: float) -> None:
+    def take(self, found: dict[str, Any], frequencies_hz: Sequence[float]) -> None:
         """Keep what the campaign counts of a diagnosis.
 
         Parameters
         ----------
         found
             The diagnosis, as `--json` has it.
-        frequency_hz
-            Mean drive frequency of the run.
+        frequencies_hz
+            Drive frequencies of the run.
         """
         self.verdict = found["verdict"]
         self.named = [cause["name"] for cause in found["causes"]]
@@ -100,7 +101,7 @@ class Outcome:
         if not self.named or self.named[0] not in self.hidden.causes:
             return
         estimates = found["causes"][0]["parameters"]
-        for name, truth in self.hidden.truth(frequency_hz).items():
+        for name, truth in self.hidden.truth(frequencies_hz).items():
             if name in estimates:
                 e = estimates[name]
                 self.intervals[name] = [truth, e["low"], e["value"], e["high"]]

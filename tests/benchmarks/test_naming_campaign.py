@@ -42,8 +42,9 @@ def test_a_large_scale_error_is_named_with_its_size_and_gain(motor_bench: MotorB
 
 def test_a_late_amplifier_is_another_angle_at_another_frequency() -> None:
     hidden = Hidden("single", ("amplifier_delay=40.0",), ("phase_offset",), 10.0)
-    assert hidden.truth(41_000.0) == pytest.approx({"offset_deg": -0.5904})
-    assert hidden.truth(40_000.0) == pytest.approx({"offset_deg": -0.576})
+    assert hidden.truth([41_000.0]) == pytest.approx({"offset_deg": -0.5904})
+    assert hidden.truth([40_000.0]) == pytest.approx({"offset_deg": -0.576})
+    assert hidden.truth([40_000.0, 41_000.0]) == {}  # two angles, none of them the true one
 
 
 def test_the_size_of_an_effect_is_what_no_wander_explains_and_no_handful_of_windows() -> None:
