@@ -13,7 +13,7 @@ from usmbench.diagnose.noise import Noise
 from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.refining import refine_widely
-from usmbench.diagnose.spikes import isolated, spiked
+from usmbench.diagnose.spikes import isolated, spiked, steady
 from usmbench.diagnose.stepwise import name_causes, noise_spread
 from usmbench.diagnose.stretches import Mask, Stretch
 from usmbench.diagnose.views import omnibus
@@ -80,8 +80,11 @@ def _white(noise: Noise) -> Noise:
 
 def _without(stretches: Sequence[Stretch], far: Sequence[Mask]) -> list[Mask]:
     """Rows to judge without those that stand alone, unless these are too many to be exceptions."""
-    alone = np.concatenate([f[s.use] for s, f in zip(stretches, far, strict=True)])
-    speed_rad_s = np.concatenate([s.simulated_rad_s[s.use] for s in stretches])
+    calm = [steady(s) for s in stretches]
+    alone = np.concatenate([f[c] for c, f in zip(calm, far, strict=True)])
+    speed_rad_s = np.concatenate(
+        [s.simulated_rad_s[c] for c, s in zip(calm, stretches, strict=True)]
+    )
     if not isolated(alone, speed_rad_s):
         return [s.use for s in stretches]
     return [s.use & ~f for s, f in zip(stretches, far, strict=True)]

@@ -38,7 +38,7 @@ class OneWay(Effect):
     meaning = _MEANING
     mend = _MEND
     stage = "settled"
-    parameters = (Parameter("gain", "1", 0.0, -0.8, 2.0, 0.01),)
+    parameters = (Parameter("gain", "1", 0.0, -0.8, 1.0, 0.01),)
     sign: ClassVar[float]
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
