@@ -1,13 +1,14 @@
 """The noise of a free-running residual: its size by phase, its colour, and the steps' jitter.
 
-The residual is taken as ``e_t = √(σ(φ)² + κ_kc(|s|)²) n_t``, k windows after a step of s in the
-settled speed, with n an autoregressive process of unit variance and c the kind of the step: from
-running to running the same way, into a stop, out of one, or through one, which is a reversal. κ is
-the moment at which a command takes effect within a window, which no free run can know, and grows
-with the step; and that at which a stopping rotor sticks or a standing one comes free, which hardly
-does. At the edge of the dead zone a rotor comes free at once or not at all: there σ has a part of
-its own, by the speed that half a degree more would give. A share of κ returns whenever a plan
-repeats a jump: it is the model's error, and no chance, and R repeats tell of it once.
+The residual is taken as ``e_t = σ(φ) n_t + κ_kc(|s|) w_t``, k windows after a step of s in the
+settled speed, with n an autoregressive process of unit variance, w white, and c the kind of the
+step: from running to running the same way, into a stop, out of one, or through one, which is a
+reversal. κ is the moment at which a command takes effect within a window, which no free run can
+know, and grows with the step; and that at which a stopping rotor sticks or a standing one comes
+free, which hardly does. At the edge of the dead zone a rotor comes free at once or not at all:
+there κ has a part of its own, by the speed that half a degree more would give. A share of κ returns
+whenever a plan repeats a jump: it is the model's error, and no chance, and R repeats tell of it
+once.
 """
 
 from dataclasses import dataclass, fields
@@ -66,7 +67,6 @@ class Noise:
         stretch
             The stretch.
         """
-        sigma = np.interp(stretch.context.phase_deg, self.phase_deg, self.sigma_rad_s)
         size, kind = np.abs(stretch.step_rad_s), step_kind(stretch)
         spread = np.zeros(size.size)
         for k, c in np.ndindex(LAGS, KINDS):
@@ -79,8 +79,20 @@ class Noise:
         )
         returning = self.same_again[np.minimum(stretch.lag, LAGS - 1)] * (stretch.again - 1)
         erring = (spread**2 + at_edge**2) * (1.0 + returning)
-        level: Array = np.sqrt(sigma**2 + erring + bend_rad_s(stretch) ** 2)
+        calm = self.calm_rad_s(stretch)
+        level: Array = np.sqrt(calm**2 + erring + bend_rad_s(stretch) ** 2)
         return level
+
+    def calm_rad_s(self, stretch: Stretch) -> Array:
+        """Return the standard deviation on each row far from steps and edges, σ(φ).
+
+        Parameters
+        ----------
+        stretch
+            The stretch.
+        """
+        sigma = np.interp(stretch.context.phase_deg, self.phase_deg, self.sigma_rad_s)
+        return np.asarray(sigma, dtype=np.float64)
 
     def to_mapping(self) -> dict[str, Any]:
         """Return what the model file keeps."""

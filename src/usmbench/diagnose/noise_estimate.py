@@ -20,6 +20,7 @@ _TRIMMED = 1.2  # what is left out above 97 % of a normal variable, and a little
 _LEAST_SHARE = 0.3  # of the middle noise level: a standing rotor shows none, yet is not exact
 _FEWEST_STARTS, _FEWEST_PAIRS = 20, 100  # rows
 _NORMAL = 1.4826  # standard deviation over median absolute deviation
+_CALM, _FEWEST_CALM = 0.9, 500  # of the level; rows
 _FAR = 4.0  # times the noise: what is farther out counts as that far
 
 
@@ -153,10 +154,16 @@ def _colour(
     flat: Noise,
     fitted: Sequence[Array] | None,
 ) -> tuple[Array, float]:
-    """Autoregression of the standardised residual."""
+    """Autoregression of the standardised residual, on calm rows: jitter has no colour."""
+    levels = [flat.level_rad_s(stretch) for stretch in stretches]
+    calm = [
+        mask & (flat.calm_rad_s(s) > _CALM * level)
+        for s, level, mask in zip(stretches, levels, masks, strict=True)
+    ]
+    if sum(int(np.count_nonzero(c)) for c in calm) >= _FEWEST_CALM:
+        masks = calm
     moments = np.zeros(_HIGHEST_ORDER + 1)
     counts = np.zeros(_HIGHEST_ORDER + 1)
-    levels = [flat.level_rad_s(stretch) for stretch in stretches]
     for level, residual, mask in zip(levels, residuals, masks, strict=True):
         unit = residual / level
         unit = np.where(mask, np.clip(unit, -_FAR, _FAR), 0.0)

@@ -14,13 +14,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag as dense_blocks
-from scipy.sparse import block_diag, csr_array, dia_array, diags_array, hstack
+from scipy.sparse import block_diag, csr_array, diags_array, hstack
 
 from usmbench.diagnose.form import ROUGHLY, off_in_form
 from usmbench.diagnose.free_runs import FreeRuns
 from usmbench.diagnose.knowledge import Knowledge
 from usmbench.diagnose.noise import Noise
 from usmbench.diagnose.stretches import Mask, Stretch
+from usmbench.diagnose.whitening import memory_rows, whitening
 from usmbench.model.extended import Applied
 
 Array = NDArray[np.float64]
@@ -177,7 +178,7 @@ class Problem:
     def _weigh(self, noise: Noise, weights: Sequence[Array] | None) -> None:
         """Take the noise, and what is no news beside it."""
         self.noise = noise
-        self._filter = csr_array(block_diag([_whitening(noise, s) for s in self.stretches]))
+        self._filter = csr_array(block_diag([whitening(noise, s) for s in self.stretches]))
         if weights is not None:
             self._filter = csr_array(diags_array(np.concatenate(weights)) @ self._filter)
         self._background = self._filter @ self._shapes
@@ -199,17 +200,10 @@ class Problem:
     def _whole(self, mask: Mask) -> Mask:
         """Rows that count, and whose predecessors in the noise's memory count."""
         whole = mask.copy()
-        for k in range(1, self.noise.ar.size + 1):
+        for k in range(1, memory_rows(self.noise) + 1):
             whole[k:] &= mask[:-k]
             whole[:k] = False
         return whole
-
-
-def _whitening(noise: Noise, stretch: Stretch) -> dia_array[np.float64]:
-    """Filter that makes the noise of a stretch white, with a variance of 1, shape (N, N)."""
-    taps = np.r_[1.0, -noise.ar] / noise.innovation
-    bands = np.outer(taps, 1.0 / noise.level_rad_s(stretch))
-    return dia_array((bands, -np.arange(taps.size)), shape=(stretch.context.n,) * 2)
 
 
 @dataclass(frozen=True, slots=True)

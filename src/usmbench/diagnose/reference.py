@@ -10,7 +10,6 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from usmbench.diagnose.features import Features, features_of
 from usmbench.diagnose.knowledge import KEY, Knowledge
@@ -27,6 +26,7 @@ from usmbench.diagnose.wander import (
     wander_of_shares,
 )
 from usmbench.diagnose.wander_estimate import beside, measured_wander
+from usmbench.diagnose.whitening import whitening
 from usmbench.errors import InputError
 from usmbench.model.effects.base import Stage
 from usmbench.model.effects.registry import library
@@ -155,7 +155,6 @@ def _learn(
 ) -> tuple[Array, Array, Array, tuple[Array, Array]]:
     """Coefficients, root of how far a run may be from them, each run's own and their equations."""
     prior = features.prior
-    whiten = np.r_[1.0, -noise.ar] / noise.innovation
     n_runs, n_own = 1 + max(s.run for s in stretches), own[0].shape[1]
     size = prior.size + n_own * n_runs
     shown = np.zeros((n_own, size), dtype=np.bool_)
@@ -166,9 +165,9 @@ def _learn(
         at = prior.size + n_own * s.run + np.arange(n_own)
         shapes[:, at] = departed
         shown[np.arange(n_own), at] |= np.any(departed != 0.0, axis=0)
-        level = noise.level_rad_s(s)
-        white = lfilter(whiten, [1.0], shapes / level[:, None], axis=0)[mask]
-        parts.append((s, white, lfilter(whiten, [1.0], s.residual_rad_s / level)[mask], mask))
+        white = whitening(noise, s)[mask]
+        shaped, error = (np.asarray(white @ part) for part in (shapes, s.residual_rad_s))
+        parts.append((s, shaped, error, mask))
     # What all runs have in common belongs to the model's error, which the shapes carry.
     common = _TIED * shown
     ties = np.eye(size) + common.T @ common
