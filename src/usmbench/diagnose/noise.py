@@ -136,7 +136,8 @@ def bend_rad_s(stretch: Stretch) -> Array:
     """
     curve, phase_deg = stretch.context.settled_rad_s, stretch.context.phase_deg
     around = curve(phase_deg - _CORNER_DEG) + curve(phase_deg + _CORNER_DEG)
-    bend: Array = _DISTRUST * np.abs(around - 2.0 * stretch.settled_rad_s)
+    # Of the curve alone: a habit that takes speed is no bend.
+    bend: Array = _DISTRUST * np.abs(around - 2.0 * curve(phase_deg))
     return bend
 
 

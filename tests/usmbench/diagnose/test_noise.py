@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from usmbench.diagnose.noise import noise_from_mapping, step_kind
+from usmbench.diagnose.noise import bend_rad_s, noise_from_mapping, step_kind
 from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.stretches import Stretch, cut_runs
 from usmbench.model.effects.first_order import first_order
+from usmbench.model.effects.registry import find_effect
+from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
 from usmbench.runs.record import Record
 
@@ -23,11 +25,11 @@ MODEL = HammersteinModel(
 )
 
 
-def _stretch(phase_deg: Array) -> Stretch:
+def _stretch(phase_deg: Array, *own: Applied) -> Stretch:
     n = phase_deg.size
     t_s = WINDOW_S * np.arange(1.0, n + 1.0)
     record = Record("run", t_s, phase_deg, np.zeros(n), np.full(n, WINDOW_S))
-    (stretch,), _ = cut_runs([record], MODEL, ())
+    (stretch,), _ = cut_runs([record], MODEL, own)
     return stretch
 
 
@@ -74,3 +76,10 @@ def test_a_noise_comes_back_from_a_model_file(stretch: Stretch) -> None:
     noise = estimate_noise([stretch], [residual], [stretch.use])
     again = noise_from_mapping(noise.to_mapping())
     assert np.array_equal(again.level_rad_s(stretch), noise.level_rad_s(stretch))
+
+
+def test_a_habit_that_takes_speed_is_no_bend_of_the_curve(stretch: Stretch) -> None:
+    sticking = Applied(find_effect("stick_slip", ""), {"lost_rad_s": 0.5, "fades_rad_s": 2.0})
+    stuck = _stretch(stretch.context.phase_deg, sticking)
+    assert np.max(np.abs(stuck.settled_rad_s - stretch.settled_rad_s)) > 0.1
+    np.testing.assert_array_equal(bend_rad_s(stuck), bend_rad_s(stretch))
