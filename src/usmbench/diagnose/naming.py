@@ -129,6 +129,18 @@ def alternatives(ranked: Sequence[Ranked]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(n for n in names if n != best.effect.name))
 
 
+def nearest(ranked: Sequence[Ranked]) -> list[Ranked]:
+    """Return the best form of the best cause, and of each that explains about as much.
+
+    Parameters
+    ----------
+    ranked
+        The candidates, best first.
+    """
+    names = (ranked[0].effect.name, *alternatives(ranked))
+    return [next(r for r in ranked if r.effect.name == name) for name in names]
+
+
 def same_shape(ranked: Sequence[Ranked]) -> set[str]:
     """Return the best cause and those that change the simulation just as it does.
 

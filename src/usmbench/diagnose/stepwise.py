@@ -13,6 +13,7 @@ from usmbench.diagnose.naming import (
     CLEAR,
     TELLING,
     Ranked,
+    nearest,
     rank,
     same_shape,
 )
@@ -80,11 +81,10 @@ def name_causes(
         before = found.rankings
         if len(before) == 1:
             before, here = _together(problem, effects, found.spread, before[0], here)
-        longer = refine_widely(problem, here[0].fit)
-        drop = held_out_drop(problem, longer)
-        first = found.rankings[0][0].statistic if found.rankings else 0.0
-        if not worth_a_name(problem, found.fit, longer, drop - earned, first, found.spread):
+        worth = _first_worth(problem, found, here, earned)
+        if worth is None:
             break
+        here, longer, drop = worth
         left = noise_spread(problem, basis, longer.effects)
         found, earned = Named([*before, here], longer, left), drop
         if here[0].effect.by_chance and scatters(problem, longer.effects):
@@ -93,6 +93,22 @@ def name_causes(
         others = [e for e in effects if e.name not in taken]
         here = _unusual(problem, rank(problem, others, left, longer))
     return found
+
+
+def _first_worth(
+    problem: Problem, found: Named, ranked: list[Ranked], earned: Array
+) -> tuple[list[Ranked], Fit, Array] | None:
+    """Return the ranking begun with what is worth a name, its fit, and what that drops unseen.
+
+    Of causes that explain about as much, one may not hold on rows that its fit has not seen.
+    """
+    first = found.rankings[0][0].statistic if found.rankings else 0.0
+    for best in nearest(ranked):
+        longer = refine_widely(problem, best.fit)
+        drop = held_out_drop(problem, longer)
+        if worth_a_name(problem, found.fit, longer, drop - earned, first, found.spread):
+            return [best, *(r for r in ranked if r is not best)], longer, drop
+    return None
 
 
 def _unusual(problem: Problem, ranked: list[Ranked]) -> list[Ranked]:

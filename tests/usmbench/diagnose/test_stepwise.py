@@ -10,7 +10,7 @@ from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.naming import Ranked
 from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.problem import Problem
-from usmbench.diagnose.stepwise import name_causes
+from usmbench.diagnose.stepwise import Named, name_causes
 from usmbench.diagnose.stretches import Stretch
 from usmbench.diagnose.views import omnibus
 from usmbench.model.effects.registry import find_effect
@@ -18,6 +18,18 @@ from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
 
 LOST = Applied(find_effect("stick_slip", ""), {"lost_rad_s": 0.2, "fades_rad_s": 2.0})
+
+
+def _stuck(stretches: list[Stretch], model: HammersteinModel, *habits: Applied) -> Problem:
+    """Return runs of a rotor that sticks."""
+    uses = [s.use for s in stretches]
+    noise = np.random.default_rng(1)
+    white = [0.01 * noise.standard_normal(s.context.n) for s in stretches]
+    known = replace(knowledge_of(model), habits=tuple(h.to_mapping() for h in habits))
+    problem = Problem(stretches, known, estimate_noise(stretches, white, uses), uses)
+    change = problem.change_rad_s([LOST])
+    problem.residual_rad_s = [w + c for w, c in zip(white, change, strict=True)]
+    return problem.with_masks(uses)
 
 
 @pytest.mark.parametrize(
@@ -31,17 +43,27 @@ def test_what_healthy_runs_show_is_named_only_far_beyond_what_a_day_does(
     p_value: float,
     named: bool,
 ) -> None:
-    uses = [s.use for s in stretches]
-    noise = np.random.default_rng(1)
-    white = [0.01 * noise.standard_normal(s.context.n) for s in stretches]
-    habits = (LOST.to_mapping(),) if habitual else ()
-    known = replace(knowledge_of(model), habits=habits)
-    problem = Problem(stretches, known, estimate_noise(stretches, white, uses), uses)
-    change = problem.change_rad_s([LOST])
-    problem.residual_rad_s = [w + c for w, c in zip(white, change, strict=True)]
-    problem = problem.with_masks(uses)
+    problem = _stuck(stretches, model, *([LOST] if habitual else []))
     left = problem.left([LOST])
     fit = Fit((LOST,), problem.deviance - float(left @ left), 0.0)
     ranked = [Ranked(LOST.effect, fit, fit.statistic, p_value, fit.statistic)]
     found = name_causes(problem, omnibus(problem)["all"], ranked, [LOST.effect], 1.0)
-    assert [ranking[0].effect.name for ranking in found.rankings] == ["stick_slip"] * named
+    assert _names(found) == ["stick_slip"] * named
+
+
+def test_of_causes_that_explain_as_much_one_that_holds_on_unseen_rows_is_named(
+    stretches: list[Stretch], model: HammersteinModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem = _stuck(stretches, model)
+    delay = Applied(find_effect("transport_delay", ""), {"delay_s": 0.001})
+    fits = [Fit((applied,), 1000.0, 0.0) for applied in (delay, LOST)]
+    ranked = [Ranked(f.effects[0].effect, f, 1000.0, 1e-12, 1000.0) for f in fits]
+    effects = [r.effect for r in ranked]
+    basis = omnibus(problem)["all"]
+    assert _names(name_causes(problem, basis, ranked, effects, 1.0)) == ["stick_slip"]
+    monkeypatch.setattr("usmbench.diagnose.stepwise.nearest", lambda found: found[:1])
+    assert _names(name_causes(problem, basis, ranked, effects, 1.0)) == []
+
+
+def _names(found: Named) -> list[str]:
+    return [ranking[0].effect.name for ranking in found.rankings]
