@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 _EXACT = 1e-6  # share of the variance that is left
 _LEAST_SHARE = 1e-3  # of the noise along a direction that is worth while
 _MEMORY = 400  # windows
+_ANSWER = 2000  # windows after which even a slow noise has answered
 _ROUNDS = 5
 
 
@@ -48,6 +49,22 @@ def autoregression(covariance: Array, n: float) -> tuple[Array, float]:
         if score < best:
             best, chosen = score, (np.asarray(ar, dtype=np.float64), float(np.sqrt(left)))
     return chosen
+
+
+def autocovariance(ar: Array, innovation: float, lags: int) -> Array:
+    """Return the autocovariance of an autoregressive noise at lags from 0 on, shape (lags + 1,).
+
+    Parameters
+    ----------
+    ar
+        Coefficients, shape (p,).
+    innovation
+        Standard deviation of the innovation, as a share of the noise's level.
+    lags
+        The longest lag, in windows.
+    """
+    answer = lfilter([innovation], np.r_[1.0, -ar], np.eye(1, lags + _ANSWER)[0])
+    return np.array([answer[k:] @ answer[: answer.size - k] for k in range(lags + 1)])
 
 
 def taken_by_fit(fitted: Sequence[Array], left: Array, n: float) -> Array:
@@ -95,8 +112,7 @@ def _taken(
     basis: Sequence[Array], share: Array, ar: Array, innovation: float, n_lags: int
 ) -> Array:
     """Return what a fit takes from each autocovariance of a noise: HΣ + ΣH − HΣH."""
-    answer = lfilter([innovation], np.r_[1.0, -ar], np.eye(1, 2 * _MEMORY)[0])
-    covariance = np.array([answer[k:] @ answer[: answer.size - k] for k in range(_MEMORY)])
+    covariance = autocovariance(ar, innovation, _MEMORY - 1)
     spread = [_times(covariance, q) * share for q in basis]
     inner = sum((q.T @ s for q, s in zip(basis, spread, strict=True)), np.zeros(()))
     taken, pairs = np.zeros(n_lags), np.zeros(n_lags)

@@ -293,7 +293,8 @@ def features_of(stretches: Sequence[Stretch]) -> Features:
 def _felt(linear: LinearPart, off_rad_s: Array) -> Array:
     """Pass changes of the settled speed through the linear part, and drop what is left at last.
 
-    Columns ought to be mostly zeros. A limit of the torque is left aside.
+    Columns ought to be mostly zeros. A limit of the torque is left aside: its tangent takes a free
+    run for each of them.
     """
     felt = from_rest(linear.b, linear.a, linear.dead_time_windows, off_rad_s)
     return np.where(np.abs(felt) < _TRACE, 0.0, felt)

@@ -8,16 +8,15 @@ these jitter, they foretell little.
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import toeplitz
-from scipy.signal import lfilter
 from scipy.sparse import csr_array, dia_array
 
+from usmbench.diagnose.colour import autocovariance
 from usmbench.diagnose.noise import Noise
 from usmbench.diagnose.stretches import Stretch
 
 Array = NDArray[np.float64]
 
 _BEYOND = 2  # rows before those of the colour, for where these jitter
-_MEMORY = 2000  # windows
 
 
 def memory_rows(noise: Noise) -> int:
@@ -57,19 +56,3 @@ def whitening(noise: Noise, stretch: Stretch) -> csr_array[np.float64]:
     taps = np.column_stack((np.ones(n), -foretold)) / np.sqrt(left)[:, None]
     bands = np.array([np.roll(tap, -k) for k, tap in enumerate(taps.T)]) / level
     return csr_array(dia_array((bands, -np.arange(memory + 1)), shape=(n, n)))
-
-
-def autocovariance(ar: Array, innovation: float, lags: int) -> Array:
-    """Return the autocovariance of an autoregressive noise at lags from 0 on, shape (lags + 1,).
-
-    Parameters
-    ----------
-    ar
-        Coefficients, shape (p,).
-    innovation
-        Standard deviation of the innovation.
-    lags
-        The longest lag.
-    """
-    answer = lfilter([innovation], np.r_[1.0, -ar], np.eye(1, _MEMORY)[0])
-    return np.array([answer[k:] @ answer[: answer.size - k] for k in range(lags + 1)])

@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 
 from known_motor import measured
 from usmbench.diagnose import noise_estimate
-from usmbench.diagnose.colour import autoregression, taken_by_fit
+from usmbench.diagnose.colour import autocovariance, autoregression, taken_by_fit
 from usmbench.diagnose.reference import with_knowledge
 from usmbench.identify.fast import FastOptions, identify_fast
 
@@ -97,3 +97,12 @@ def test_autocovariances_that_no_noise_has_still_give_a_stable_noise(others: lis
     ar, innovation = autoregression(np.array([1.0, *others]), 50)
     assert 0.0 < innovation <= 1.0
     assert np.max(np.abs(np.roots(np.r_[1.0, -ar])), initial=0.0) < 1.0
+
+
+@given(feedback=st.floats(-0.95, 0.98), innovation=st.floats(0.1, 2.0))
+def test_the_autocovariance_of_a_first_order_noise_fades_by_its_feedback(
+    feedback: float, innovation: float
+) -> None:
+    found = autocovariance(np.array([feedback]), innovation, LAGS)
+    expected = innovation**2 / (1.0 - feedback**2) * feedback ** np.arange(LAGS + 1)
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12)

@@ -7,10 +7,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy.linalg import toeplitz
 
+from usmbench.diagnose.colour import autocovariance
 from usmbench.diagnose.noise import Noise
 from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.stretches import Stretch
-from usmbench.diagnose.whitening import autocovariance, memory_rows, whitening
+from usmbench.diagnose.whitening import memory_rows, whitening
 
 Array = NDArray[np.float64]
 
@@ -61,11 +62,6 @@ def test_a_noise_without_colour_looks_back_at_no_row(
     assert memory_rows(plain) == 0
     expected = np.diag(1.0 / plain.level_rad_s(stretch))
     np.testing.assert_allclose(whitening(plain, stretch).toarray(), expected, rtol=1e-12)
-
-
-def test_the_autocovariance_of_a_first_order_noise_fades_by_its_feedback() -> None:
-    found = autocovariance(np.array([FEEDBACK]), INNOVATION, 5)
-    np.testing.assert_allclose(found, FEEDBACK ** np.arange(6), rtol=1e-9)
 
 
 def test_the_colour_is_found_beside_the_jitter(stretches: list[Stretch], noise: Noise) -> None:
