@@ -11,7 +11,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.features import Features, features_of
+from usmbench.diagnose.features import Features
+from usmbench.diagnose.features_of_runs import features_of
 from usmbench.diagnose.knowledge import KEY, Knowledge
 from usmbench.diagnose.naming import rank
 from usmbench.diagnose.noise import Noise

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from usmbench.diagnose.features import features_of
+from usmbench.diagnose.features_of_runs import features_of
 from usmbench.diagnose.shapes import hats
 from usmbench.diagnose.stretches import Stretch
 from usmbench.model.linear import free_run
