@@ -1,30 +1,41 @@
-"""The drive's amplitude droops with load."""
+"""The drive's amplitude droops with load.
+
+The power is taken as (v/v_top)², v_top being the highest speed that the model knows. What a lower
+vibration does to the speed is read from the resonance curve where the model knows that; elsewhere
+both things that it does, less speed and more friction, are fitted.
+"""
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 from scipy.signal import lfilter
 
 from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+from usmbench.model.effects.resonance import (
+    RESONANCE_KNOWN,
+    AlongResonance,
+    knows_resonance,
+    vibrating_less,
+)
 from usmbench.model.effects.weaker_drive import travelling, weaker
 
 _MEANING = "The drive voltages give way while the motor delivers power: fast is slower than it was."
 _MEND = "Watch both amplitudes at full speed and at 0°; look at the supply, its cable and fuse."
-_SIZE = (
-    Parameter("droop_at_top", "1", 0.0, 0.0, 0.9, 0.01),
-    Parameter("held_back_rad_s", "rad/s", 0.0, 0.0, 30.0, 0.05),
-)
+_DROOP = Parameter("droop_at_top", "1", 0.0, 0.0, 0.9, 0.01)
+_HELD = Parameter("held_back_rad_s", "rad/s", 0.0, 0.0, 30.0, 0.05)
+_STORE = Parameter("store_s", "s", 0.1, 0.005, 5.0, 0.05, scanned=True)
 
 
 class Droop(Effect):
-    """The vibration falls with the power, taken as (v/v_top)², and the speed with it."""
+    """The vibration falls with the power, and the speed with it."""
 
     name = "amplitude_droop"
     form = "at once"
     meaning = _MEANING
     mend = _MEND
     stage = "settled"
-    parameters = _SIZE
+    parameters: ClassVar[tuple[Parameter, ...]] = (_DROOP, _HELD)
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the settled speed.
@@ -34,21 +45,29 @@ class Droop(Effect):
         signal, context, values
             As in `Effect.apply`.
         """
-        return _drooped(signal, context, values, travelling(signal, context))
+        load = _load(signal, context, values)
+        lost, held_rad_s = values["droop_at_top"] * load, values["held_back_rad_s"] * load
+        return weaker(signal, context, lost, held_rad_s)
+
+    def untestable(self, contexts: Sequence[Context]) -> str | None:
+        """Return why these runs cannot show the cause, or None where they can.
+
+        Parameters
+        ----------
+        contexts
+            All stretches.
+        """
+        return RESONANCE_KNOWN if knows_resonance(contexts) else None
 
 
-class SlowDroop(Effect):
-    """As `Droop`, but the supply's store follows the load with a time constant."""
+class DroopAlongResonance(AlongResonance):
+    """The same at every frequency, along the resonance curve that the model knows."""
 
     name = "amplitude_droop"
-    form = "after a while"
+    form = "at once, along the resonance"
     meaning = _MEANING
     mend = _MEND
-    stage = "settled"
-    parameters = (
-        *_SIZE,
-        Parameter("store_s", "s", 0.1, 0.005, 5.0, 0.05, scanned=True),
-    )
+    parameters: ClassVar[tuple[Parameter, ...]] = (_DROOP,)
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the settled speed.
@@ -58,11 +77,12 @@ class SlowDroop(Effect):
         signal, context, values
             As in `Effect.apply`.
         """
-        kept = np.exp(-context.window_s / values["store_s"])
-        loading = travelling(signal, context)
-        start = np.array([kept * loading[0]])
-        held: Array = lfilter([1.0 - kept], [1.0, -kept], loading, zi=start)[0]
-        return _drooped(signal, context, values, held)
+        lost = values["droop_at_top"] * _load(signal, context, values)
+        return vibrating_less(signal, context, lost)
+
+
+class _WithStore(Effect):
+    """The supply's store follows the load with a time constant."""
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
         """Return time constants from two windows to some seconds.
@@ -75,10 +95,28 @@ class SlowDroop(Effect):
         return {"store_s": np.clip(contexts[0].window_s * np.geomspace(2, 300, 8), 0.005, 5.0)}
 
 
-def _drooped(signal: Array, context: Context, values: Values, loading: Array) -> Array:
-    """Weaken the drive by its load."""
-    lost, held_rad_s = values["droop_at_top"] * loading, values["held_back_rad_s"] * loading
-    return weaker(signal, context, lost, held_rad_s)
+class SlowDroop(_WithStore, Droop):
+    """As `Droop`, behind a store."""
+
+    form = "after a while"
+    parameters = (_DROOP, _HELD, _STORE)
 
 
-FORMS = (Droop(), SlowDroop())
+class SlowDroopAlongResonance(_WithStore, DroopAlongResonance):
+    """As `DroopAlongResonance`, behind a store."""
+
+    form = "after a while, along the resonance"
+    parameters = (_DROOP, _STORE)
+
+
+def _load(signal: Array, context: Context, values: Values) -> Array:
+    """Power that the supply delivers or, where it has a store, delivered of late; 1 at the top."""
+    load = travelling(signal, context)
+    if "store_s" not in values:
+        return load
+    kept = np.exp(-context.window_s / values["store_s"])
+    held: Array = lfilter([1.0 - kept], [1.0, -kept], load, zi=np.array([kept * load[0]]))[0]
+    return held
+
+
+FORMS = (Droop(), SlowDroop(), DroopAlongResonance(), SlowDroopAlongResonance())

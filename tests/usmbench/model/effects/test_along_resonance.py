@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from usmbench.errors import InputError
+from usmbench.model.effects.amplitude_droop import FORMS as DROOP
 from usmbench.model.effects.base import Context
 from usmbench.model.effects.crystal_error import FORMS as CRYSTAL
 from usmbench.model.effects.generator_imbalance import FORMS as IMBALANCE
@@ -41,8 +42,10 @@ def model() -> HammersteinModel:
     return HammersteinModel(linear, tuple(points), "test")
 
 
-def _speed(model: HammersteinModel, frequency_hz: float, name: str = "", **values: float) -> Array:
-    effect = {"name": name, "form": FORM, "parameters": values}
+def _speed(
+    model: HammersteinModel, frequency_hz: float, name: str = "", form: str = FORM, **values: float
+) -> Array:
+    effect = {"name": name, "form": form, "parameters": values}
     extended = replace(model, effects=(effect,) if name else ())
     column = np.full(PHASE_DEG.size, frequency_hz)
     return simulate(extended, PHASE_DEG, column, np.zeros(PHASE_DEG.size)).speed_rad_s
@@ -67,6 +70,25 @@ def test_a_weak_generator_takes_the_same_share_at_every_frequency(
     healthy = _speed(model, frequency_hz)
     weak = _speed(model, frequency_hz, "generator_imbalance", speed_lost=0.03)
     assert np.allclose(weak, 0.97 * healthy, atol=1e-9)
+
+
+@pytest.mark.parametrize("frequency_hz", SIDES)
+def test_a_supply_that_gives_way_does_so_at_speed_at_every_frequency(
+    model: HammersteinModel, frequency_hz: float
+) -> None:
+    healthy = _speed(model, frequency_hz)
+    load = (healthy / np.max(np.abs(healthy))) ** 2
+    soft = _speed(model, frequency_hz, "amplitude_droop", "at once, " + FORM, droop_at_top=0.03)
+    assert np.allclose(soft, (1.0 - 0.03 * load) * healthy, atol=1e-3)
+
+
+def test_a_supply_with_a_store_gives_way_after_a_while(model: HammersteinModel) -> None:
+    values = {"droop_at_top": 0.03, "store_s": 0.02}
+    soft = _speed(model, 41_000.0, "amplitude_droop", "after a while, " + FORM, **values)
+    share = 1.0 - soft[-5:] / _speed(model, 41_000.0)[-5:]
+    assert np.all(np.diff(share) > 0.0)
+    assert share[0] > 0.0
+    assert share[-1] < 0.03
 
 
 def test_a_weak_generator_only_weakens() -> None:
@@ -109,13 +131,10 @@ def test_friction_holds_a_rotor_that_would_start_the_other_way() -> None:
 )
 def test_one_form_or_the_other_is_testable(detuning: Array | None, known: bool) -> None:
     contexts = [_context(detuning)]
-    for forms in (CRYSTAL, IMBALANCE, WARMING):
-        testable = {e.form: e.untestable(contexts) is None for e in forms}
-        assert testable[FORM] == known
-        assert (testable.get("", True), testable.get("speed and friction", True)) in {
-            (not known, True),
-            (True, not known),
-        }
+    for effect in (*CRYSTAL, *IMBALANCE, *WARMING, *DROOP):
+        testable = effect.untestable(contexts) is None
+        along = FORM in effect.form
+        assert testable == (known if along else effect.form == "speed" or not known)
 
 
 def test_without_a_slope_it_cannot_be_simulated() -> None:
