@@ -11,6 +11,7 @@ from usmbench.model.effects.base import Array, Context, Effect, Parameter, Value
 from usmbench.model.linear import time_constant_s
 
 _SUBSTEPS = 8
+_REST = 0.01  # of the highest speed
 _MEND = "Tighten or stiffen the coupling between motor and disc; look for a cracked helix."
 _SHAPE = (
     Parameter("period_s", "s", 0.0, 0.0, 0.5, 0.003, scanned=True),
@@ -73,7 +74,10 @@ def _held(natural_rad_s: float, damping: float, step_s: float) -> tuple[Array, A
 
 def _averaged(b: Array, a: Array, signal: Array) -> Array:
     """Filter a signal held through parts of a window, and average over the window."""
-    mean: Array = lfilter(b, a, np.repeat(signal, _SUBSTEPS)).reshape(-1, _SUBSTEPS).mean(axis=1)
+    held = np.append(np.repeat(signal, _SUBSTEPS), signal[-1])
+    at_ends = lfilter(b, a, held)
+    middle = 0.5 * (at_ends[:-1] + at_ends[1:])
+    mean: Array = middle.reshape(-1, _SUBSTEPS).mean(axis=1)
     return mean
 
 
@@ -81,7 +85,8 @@ class SwingingLoad(ShaftCompliance):
     """Behind a soft coupling hangs a load of `load_share` of the motor's moment of inertia.
 
     It follows the rotor as H = (2ζω_n s + ω_n²)/(s² + 2ζω_n s + ω_n²) and takes its torque from
-    it: ω′ = ω − m τ s H/(τ s + 1) ω, to first order in its share m.
+    it: ω′ = ω (τ s + 1)/(τ s + 1 + m τ s H), m its share. A rotor at rest is held by the motor's
+    friction, and does not swing with it.
     """
 
     form = "swinging load"
@@ -101,12 +106,20 @@ class SwingingLoad(ShaftCompliance):
             return signal
         natural, damping = 2.0 * math.pi / values["period_s"], values["damping"]
         swing = np.array([1.0, 2.0 * damping * natural, natural**2])
-        pulled = tau_s * np.array([2.0 * damping * natural, natural**2, 0.0])
-        b, a, _ = cont2discrete(
-            (pulled, np.convolve(swing, [tau_s, 1.0])), context.window_s / _SUBSTEPS
-        )
+        pull = values["load_share"] * tau_s * np.array([2.0 * damping * natural, natural**2, 0.0])
+        both = np.polyadd(np.convolve(swing, [tau_s, 1.0]), pull)
+        b, a, _ = cont2discrete((pull, both), context.window_s / _SUBSTEPS)
         taken = _averaged(np.ravel(b), a, signal - signal[0])
-        return np.asarray(signal - values["load_share"] * taken)
+        moved: Array = np.where(_at_rest(signal, context), 0.0, taken)
+        return signal - moved
+
+
+def _at_rest(signal: Array, context: Context) -> Array:
+    """Rows on which the rotor stands, and is to stand."""
+    settled_rad_s = np.abs(context.settled_rad_s(context.phase_deg))
+    fastest_rad_s = np.maximum(settled_rad_s, np.abs(signal))
+    rest: Array = fastest_rad_s < _REST * np.max(settled_rad_s)
+    return rest
 
 
 FORMS = (ShaftCompliance(), SwingingLoad())

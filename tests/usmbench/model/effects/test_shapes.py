@@ -6,17 +6,20 @@ from dataclasses import replace
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
 
 from usmbench.model.effects import dead_zone_hysteresis, encoder_eccentricity, speed_scale
 from usmbench.model.effects.base import Context
 from usmbench.model.effects.coupling_backlash import CouplingBacklash
 from usmbench.model.effects.first_order import first_order, lag_and_delay_s
 from usmbench.model.effects.phase_quantisation import RoundedPhase, TruncatedPhase
-from usmbench.model.effects.shaft_compliance import ShaftCompliance
+from usmbench.model.effects.shaft_compliance import ShaftCompliance, SwingingLoad
 from usmbench.model.effects.transport_delay import TransportDelay
 from usmbench.model.hammerstein import LinearPart
-from usmbench.model.linear import free_run
+from usmbench.model.linear import free_run, time_constant_s
 
+Array = NDArray[np.float64]
 WINDOW_S = 0.01
 LINEAR = LinearPart(np.array([-0.05]), np.array([0.6, 0.35]), 0, WINDOW_S)
 
@@ -93,6 +96,42 @@ def test_a_soft_shaft_rings_with_its_period_and_settles() -> None:
     above = np.flatnonzero(np.diff(np.sign(disc[5:] - 1.0)))
     assert math.isclose(2.0 * WINDOW_S * float(np.mean(np.diff(above))), 0.2, rel_tol=0.05)
     assert math.isclose(disc[-1], 1.0, abs_tol=1e-2)
+
+
+def test_a_load_swings_as_its_equations_of_motion_say() -> None:
+    speed = np.repeat([0.0, 5.0, 7.0, -3.0], 10)
+    share, period_s, damping = 0.4, 0.06, 0.1
+    tau_s, natural = time_constant_s(LINEAR), 2.0 * math.pi / period_s
+    assert tau_s is not None
+
+    def moved(_: float, state: Array, unloaded: float) -> Array:
+        twist, load, change, _angle = state
+        slip = unloaded + change - load
+        pull = natural**2 * twist + 2.0 * damping * natural * slip
+        return np.array([slip, pull, -change / tau_s - share * pull, unloaded + change])
+
+    state, mean = np.zeros(4), np.zeros(speed.size)
+    for k, unloaded in enumerate(speed):
+        state[3] = 0.0
+        found = solve_ivp(moved, (0.0, WINDOW_S), state, args=(unloaded,), rtol=1e-9, atol=1e-9)
+        state = found.y[:, -1]
+        mean[k] = state[3] / WINDOW_S
+    values = {"load_share": share, "period_s": period_s, "damping": damping}
+    loaded = SwingingLoad().apply(speed, replace(_context(40), phase_deg=speed), values)
+    assert np.max(np.abs(mean - speed)) > 1.0
+    assert np.allclose(loaded, mean, atol=0.03)
+
+
+def test_a_load_does_not_swing_a_rotor_that_friction_holds() -> None:
+    phase_deg = np.repeat([60.0, 5.0, 60.0], 10)
+    settled = np.repeat([8.0, 0.0, 8.0], 10)
+    context = replace(
+        _context(30), phase_deg=phase_deg, settled_rad_s=lambda p: np.where(p > 10.0, 8.0, 0.0)
+    )
+    values = {"load_share": 0.4, "period_s": 0.06, "damping": 0.1}
+    loaded = SwingingLoad().apply(settled, context, values)
+    assert np.all(loaded[10:20] == 0.0)
+    assert np.max(np.abs(loaded[20:] - 8.0)) > 0.3
 
 
 def test_a_start_takes_more_on_one_side_at_rest_or_also_on_the_way_through() -> None:
