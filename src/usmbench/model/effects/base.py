@@ -193,9 +193,12 @@ class Effect(ABC):
 
 
 class DynamicsEffect(Effect):
-    """An effect that puts other dynamics in the place of the model's."""
+    """An effect that puts other dynamics in the place of the model's.
 
-    stage = "dynamics"
+    One with another `stage` also changes that stage's signal.
+    """
+
+    stage: ClassVar[Stage] = "dynamics"
 
     @abstractmethod
     def linear_part(self, linear: LinearPart, context: Context, values: Values) -> LinearPart:

@@ -1,9 +1,22 @@
 """All speeds are off by one factor."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import ClassVar
 
-from usmbench.model.effects.base import Array, Context, Effect, Parameter, Stage, Values
+from usmbench.model.effects.base import (
+    Array,
+    Context,
+    DynamicsEffect,
+    Effect,
+    Parameter,
+    Stage,
+    Values,
+)
+from usmbench.model.effects.first_order import first_order, lag_and_delay_s
+from usmbench.model.hammerstein import LinearPart
+
+_SCALE = Parameter("scale_error", "1", 0.0, -0.9, 3.0, 0.01)
 
 
 class SpeedScale(Effect):
@@ -13,7 +26,7 @@ class SpeedScale(Effect):
     meaning = "All speeds differ from the simulation by one factor."
     mend = "Check counts_per_rev against the disc, the sample clock, and the drive amplitude."
     stage: ClassVar[Stage] = "counter"
-    parameters = (Parameter("scale_error", "1", 0.0, -0.9, 3.0, 0.01),)
+    parameters = (_SCALE,)
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the speed that is reported.
@@ -45,4 +58,56 @@ class MotorGain(SpeedScale):
         return "without a torque limit the motor's gain is that of the counter"
 
 
-FORMS = (SpeedScale(), MotorGain())
+class MovedContact(DynamicsEffect):
+    """v′ = v (1 + s), τ′ = τ (1 + s)²: the rotor touches the stator at a radius 1/(1 + s) as large.
+
+    There the same slip of the surfaces is 1 + s times as much of the rotor's speed, and the same
+    force 1 + s times less torque.
+    """
+
+    name = "speed_scale"
+    form = "of the contact"
+    meaning = "The rotor touches the stator at another radius: speeds and lag differ."
+    mend = "Look at the friction layer's track on the stator; lap it, or let it bed in again."
+    stage: ClassVar[Stage] = "settled"
+    parameters = (_SCALE,)
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the settled speed.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        return signal * (1.0 + values["scale_error"])
+
+    def linear_part(self, linear: LinearPart, context: Context, values: Values) -> LinearPart:
+        """Return the linear part of the other lag.
+
+        Parameters
+        ----------
+        linear, context, values
+            As in `DynamicsEffect.linear_part`.
+        """
+        known, ratio = lag_and_delay_s(linear, context.window_s), 1.0 + values["scale_error"]
+        if known is None or ratio == 1.0:
+            return linear
+        other = first_order(known[0] * ratio**2, known[1], context.window_s)
+        slip = linear.slip_limit_rad_s
+        return replace(other, slip_limit_rad_s=None if slip is None else slip * ratio)
+
+    def untestable(self, contexts: Sequence[Context]) -> str | None:
+        """Return why these runs cannot show the cause, or None where they can.
+
+        Parameters
+        ----------
+        contexts
+            All stretches.
+        """
+        if all(lag_and_delay_s(c.linear, c.window_s) is not None for c in contexts):
+            return None
+        return "the model's dynamics are no lag behind a delay"
+
+
+FORMS = (SpeedScale(), MotorGain(), MovedContact())

@@ -16,6 +16,7 @@ from usmbench.model.effects.first_order import first_order, lag_and_delay_s
 from usmbench.model.effects.phase_quantisation import RoundedPhase, TruncatedPhase
 from usmbench.model.effects.shaft_compliance import ShaftCompliance, SwingingLoad
 from usmbench.model.effects.transport_delay import TransportDelay
+from usmbench.model.extended import Applied, extended_run
 from usmbench.model.hammerstein import LinearPart
 from usmbench.model.linear import free_run, time_constant_s
 
@@ -46,12 +47,35 @@ def test_backlash_swallows_the_gap_in_the_window_in_which_the_shaft_turns_round(
 
 
 def test_only_a_torque_limit_tells_the_motors_gain_from_the_counters() -> None:
-    counter, motor = speed_scale.FORMS
+    counter, motor, _contact = speed_scale.FORMS
     plain = _context(4)
     limited = replace(plain, linear=replace(LINEAR, slip_limit_rad_s=5.0))
     assert [counter.untestable([c]) is None for c in (plain, limited)] == [True, True]
     assert [motor.untestable([c]) is None for c in (plain, limited)] == [False, True]
     assert (counter.stage, motor.stage) == ("counter", "settled")
+
+
+def test_a_contact_at_another_radius_is_another_lever_of_the_same_force() -> None:
+    phase_deg = np.repeat([0.0, 4.0, -6.0, 2.0], 6)
+    tau_s, slip, ratio = 0.004, 5.0, 1.1
+    linear = replace(first_order(tau_s, 0.0, WINDOW_S), slip_limit_rad_s=slip)
+    context = replace(_context(24), phase_deg=phase_deg, linear=linear)
+    effect = Applied(speed_scale.MovedContact(), {"scale_error": ratio - 1.0})
+    speed = extended_run([effect], context).speed_rad_s
+
+    def moved(_: float, state: Array, surface: float) -> Array:
+        # Force of the contact over the rotor's inertia, at the healthy radius of 1.
+        force = slip / tau_s * math.tanh((surface - state[1] / ratio) / slip)
+        return np.array([state[1], force / ratio])
+
+    state, mean = np.zeros(2), np.zeros(24)
+    for k, surface in enumerate(phase_deg):
+        state[0] = 0.0
+        state = solve_ivp(moved, (0.0, WINDOW_S), state, args=(surface,), rtol=1e-8, atol=1e-9).y[
+            :, -1
+        ]
+        mean[k] = state[0] / WINDOW_S
+    assert np.allclose(speed, mean, atol=1e-5)
 
 
 def test_a_register_rounds_or_cuts_off() -> None:
