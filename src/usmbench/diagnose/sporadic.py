@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import median_filter
 from scipy.stats import poisson
 
 from usmbench.diagnose.chance import chancy_of, struck_by
@@ -23,6 +24,7 @@ Array = NDArray[np.float64]
 _FEWEST = 3  # far out without a neighbour: fewer may be knocks
 _AS_USUAL = 2.0  # times the rate of the identified runs: their plans differ
 _OF_COUNT = 0.25  # a counter is off by whole ones
+_AT_PHASE, _AS_OTHERS = 11, 0.5  # windows; of what a window is off by
 _OF_EFFECT = 3.0 * OFF  # what its form may be off by is no count
 
 
@@ -76,7 +78,8 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
     p_value = float(poisson.sf(count - 1, usual)) if usual > 0.0 else 0.0
     if count < max(_FEWEST, usual) or p_value > SIGNIFICANT:
         return None
-    if not isolated(windows.alone, windows.speed_rad_s):
+    phase_deg = np.concatenate([s.context.phase_deg for s in problem.stretches])[rows]
+    if not isolated(windows.alone, windows.speed_rad_s) or _hang_on_phase(windows, phase_deg):
         return None
     kinds = [effect for effect in library() if isinstance(effect, SporadicEffect)]
     weighed = [(effect, effect.weigh(windows)) for effect in kinds]
@@ -98,6 +101,14 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
         share,
     )
     return Sporadic(Applied(effect, {e.name: e.value for e in estimates}), named, deviance)
+
+
+def _hang_on_phase(windows: LoneWindows, phase_deg: Array) -> bool:
+    """Whether most windows that stand alone are off as others at their phase are: no chance."""
+    order = np.argsort(phase_deg, kind="stable")
+    off, alone = windows.deviation_rad_s[order], windows.alone[order]
+    beside = median_filter(off, _AT_PHASE)
+    return bool(np.mean(beside[alone] / off[alone] > _AS_OTHERS) > 0.5)
 
 
 def _alone(

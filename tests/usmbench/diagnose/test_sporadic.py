@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import sawtooth
 
 from known_motor import NOISE_RAD_S, applied, driven, identified
 from usmbench.diagnose.knowledge import knowledge_of
@@ -26,3 +27,18 @@ def test_what_an_effect_may_be_off_by_is_no_false_count(scale_error: float, foun
     problem = Problem([stretch], known, known.noise, [stretch.use])
     sporadic = find_sporadic(problem, [effect], 1.0)
     assert (sporadic is not None) == found
+
+
+@pytest.mark.parametrize("by_chance", [True, False])
+def test_what_hangs_on_the_phase_is_no_chance(by_chance: bool) -> None:
+    model = identified()
+    phase_deg = 85.0 * sawtooth(0.1 * np.arange(4000.0), 0.5)
+    record = driven(phase_deg, 4)
+    band = (phase_deg > 41.0) & (phase_deg < 44.0)
+    struck = np.random.default_rng(3).permutation(band) if by_chance else band
+    speed_rad_s = record.speed_rad_s - np.where(struck, 20.0 * NOISE_RAD_S, 0.0)
+    (stretch,), _ = cut_runs([replace(record, speed_rad_s=speed_rad_s)], model, ())
+    known = knowledge_of(model)
+    assert known.noise is not None
+    problem = Problem([stretch], known, known.noise, [stretch.use])
+    assert (find_sporadic(problem, (), 1.0) is not None) == by_chance
