@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 _SECOND_LEAST = 40.0  # what patches bring, see "two causes" in benchmarks/naming_campaign.py
 _SECOND_SHARE = 0.005  # of the first, whose form may be off by as much
-_HARDLY = 0.5  # of the noise
+_MOSTLY = 0.75
 # That a cause has to explain better: rows, or places in the runs, where it acts at starts only.
 _FEWEST_ROWS, _FEWEST_PLACES = 8.0, 2.5
 _GAINED, _APART = 20.0, 5  # deviance of a row beyond chance; rows without between two places
@@ -50,21 +50,13 @@ def worth_a_name(
 def _earned(problem: Problem, before: Fit, longer: Fit, first: float, spread: float) -> bool:
     """Whether a further cause explains more than what the form of those before it may be off by.
 
-    A share of itself, by speed and time since the step; and half a per cent of its evidence, but
-    where it hardly acts.
+    That is a share of themselves, by speed and time since the step: with so much allowed to them it
+    still explains something, and either most of what it did or more than a share of the first.
     """
     least, share = (size * spread**2 for size in (_SECOND_LEAST, _SECOND_SHARE * first))
-    fits = before.effects, longer.effects
-    if _gained(problem.doubting(before.effects), *fits) < least:
-        return False
-    if longer.statistic - before.statistic > max(least, share):
-        return True
-    changes = problem.change_rad_s(before.effects)
-    hardly = [
-        mask & (np.abs(change) < _HARDLY * problem.noise.level_rad_s(stretch))
-        for stretch, mask, change in zip(problem.stretches, problem.masks, changes, strict=True)
-    ]
-    return _gained(problem.with_masks(hardly), *fits) > least
+    plain = longer.statistic - before.statistic
+    kept = _gained(problem.doubting(before.effects), before.effects, longer.effects)
+    return kept > least and (kept > _MOSTLY * plain or plain > share)
 
 
 def _gained(problem: Problem, before: Sequence[Applied], after: Sequence[Applied]) -> float:
