@@ -13,6 +13,7 @@ from usmbench.diagnose.noise import Noise
 from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.refining import refine_widely
+from usmbench.diagnose.robust import huber_weights
 from usmbench.diagnose.spikes import isolated, spiked, steady
 from usmbench.diagnose.stepwise import name_causes, noise_spread
 from usmbench.diagnose.stretches import Mask, Stretch
@@ -21,8 +22,6 @@ from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
 
 Array = NDArray[np.float64]
-
-_HUBER = 2.5
 
 
 def search(
@@ -60,7 +59,7 @@ def search(
     fars = [spiked(stretches, r, noise, near_steps=True) for r in (problem.residual_rad_s, left)]
     masks = _without(stretches, min(fars, key=lambda far: sum(map(np.count_nonzero, far))))
     problem = problem.weighed(noise, masks)
-    problem = problem.weighed(noise, masks, _weights(problem, left))
+    problem = problem.weighed(noise, masks, huber_weights(problem, left))
     basis = omnibus(problem)["all"]
     spread = noise_spread(problem, basis, best)
     ranked = rank(problem, effects, spread)
@@ -88,18 +87,3 @@ def _without(stretches: Sequence[Stretch], far: Sequence[Mask]) -> list[Mask]:
     if not isolated(alone, speed_rad_s):
         return [s.use for s in stretches]
     return [s.use & ~f for s, f in zip(stretches, far, strict=True)]
-
-
-def _weights(problem: Problem, left_rad_s: Sequence[Array]) -> list[Array]:
-    """Weights of the rows (Huber): noise near the dead zone has heavy tails."""
-    white = np.abs(problem.carried(left_rad_s)[: problem.n_rows])
-    scale = max(1.4826 * float(np.median(white)), 1.0)
-    kept = np.sqrt(np.minimum(1.0, _HUBER * scale / np.maximum(white, 1e-12)))
-    weights, at = [], 0
-    for valid in problem.valid:
-        weight = np.ones(valid.size)
-        n = int(np.count_nonzero(valid))
-        weight[valid] = kept[at : at + n]
-        weights.append(weight)
-        at += n
-    return weights

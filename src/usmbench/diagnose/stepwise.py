@@ -19,6 +19,7 @@ from usmbench.diagnose.naming import (
 )
 from usmbench.diagnose.problem import Basis, Problem
 from usmbench.diagnose.refining import refine_widely
+from usmbench.diagnose.robust import huber_weights
 from usmbench.diagnose.views import omnibus
 from usmbench.diagnose.worth import worth_a_name
 from usmbench.model.effects.base import Effect
@@ -124,9 +125,12 @@ def _with_the_rest(problem: Problem, effects: Sequence[Effect], found: Named) ->
     """
     chance = found.fit.effects[-1]
     struck = struck_by(problem, [chance])
-    clear = problem.with_masks([m & ~s for m, s in zip(problem.masks, struck, strict=True)])
+    masks = [m & ~s for m, s in zip(problem.masks, struck, strict=True)]
+    clear = problem.weighed(problem.noise, masks)
     if clear.n_rows < _LEAST_CLEAR * problem.n_rows:
         return found
+    # The scatter hid what is far out.
+    clear = clear.weighed(problem.noise, masks, huber_weights(clear, clear.residual_rad_s))
     others = [e for e in effects if e.name != chance.effect.name]
     basis = omnibus(clear)["all"]
     spread = noise_spread(clear, basis, ())

@@ -7,7 +7,7 @@ import pytest
 
 from usmbench.diagnose.fitting import Fit
 from usmbench.diagnose.knowledge import knowledge_of
-from usmbench.diagnose.naming import Ranked
+from usmbench.diagnose.naming import Ranked, rank
 from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.stepwise import Named, name_causes
@@ -63,6 +63,27 @@ def test_of_causes_that_explain_as_much_one_that_holds_on_unseen_rows_is_named(
     assert _names(name_causes(problem, basis, ranked, effects, 1.0)) == ["stick_slip"]
     monkeypatch.setattr("usmbench.diagnose.stepwise.nearest", lambda found: found[:1])
     assert _names(name_causes(problem, basis, ranked, effects, 1.0)) == []
+
+
+def test_what_is_far_out_hides_no_cause_beside_one_that_acts_by_chance(
+    stretches: list[Stretch], model: HammersteinModel
+) -> None:
+    problem = _stuck(stretches, model)
+    lost = Applied(
+        find_effect("missed_counts", "of the excess"), {"lost_of_excess": 0.5, "above_rad_s": 9.0}
+    )
+    both = problem.change_rad_s([lost, LOST])
+    alone = problem.change_rad_s([LOST])
+    for residual, two, one in zip(problem.residual_rad_s, both, alone, strict=True):
+        residual += two - one
+        slow = np.flatnonzero((np.abs(two - one) == 0.0) & (np.abs(one) > 0.05))
+        residual[slow[:: slow.size // 3]] += 2.0
+    problem = problem.with_masks([s.use for s in stretches])
+    effects = [lost.effect, LOST.effect, find_effect("coupling_backlash", "")]
+    ranked = rank(problem, effects, 1.0)
+    basis = omnibus(problem)["all"]
+    found = name_causes(problem, basis, ranked, effects, 1.0)
+    assert _names(found) == ["missed_counts", "stick_slip"]
 
 
 def _names(found: Named) -> list[str]:
