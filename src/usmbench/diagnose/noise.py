@@ -22,6 +22,7 @@ from usmbench.diagnose.stretches import Stretch
 Array = NDArray[np.float64]
 
 LAGS, KINDS = 6, 4
+_REVERSAL = 3  # of the kinds
 _CORNER_DEG = 1.0
 _DISTRUST = 0.3
 _STANDING = 0.02  # of the highest speed
@@ -71,7 +72,10 @@ class Noise:
         spread = np.zeros(size.size)
         for k, c in np.ndindex(LAGS, KINDS):
             rows = (stretch.lag == k) & (kind == c)
-            nodes, values = (np.r_[0.0, a[k, c]] for a in (self.step_rad_s, self.step_spread_rad_s))
+            sizes, spreads = self.step_rad_s[k, c], self.step_spread_rad_s[k, c]
+            # A rotor that turns back stands still in between, from and to whatever speed.
+            least = spreads[0] if c == _REVERSAL else 0.0
+            nodes, values = np.r_[0.0, sizes], np.r_[least, spreads]
             beyond = np.maximum(size[rows] / max(nodes[-1], 1e-300), 1.0)
             spread[rows] = np.interp(size[rows], nodes, values) * beyond
         at_edge = np.interp(
