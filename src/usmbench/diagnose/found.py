@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.chance import chancy_of, leaves_scatter
-from usmbench.diagnose.fitting import NOTHING, Fit
+from usmbench.diagnose.fitting import Fit
 from usmbench.diagnose.gain import held_out_gain
 from usmbench.diagnose.naming import PLAINLY, Ranked, Whole, verdict
 from usmbench.diagnose.problem import Problem
@@ -120,11 +120,8 @@ def _on_nothing_named(found: Found) -> Verdict:
     """Say whether there is something to be named."""
     if found.spread > LOUD:
         return "unexplained"
-    if not found.before.material:
-        return "no_discrepancy"
-    plain = held_out_gain(found.problem, NOTHING)
-    above = plain.rmse_simulation_rad_s**2 - plain.noise_floor_rad_s**2
-    return "unexplained" if above > _LEAST_EXCESS * plain.noise_floor_rad_s**2 else "no_discrepancy"
+    plain = found.before.material and found.before.excess > _LEAST_EXCESS * found.before.n_rows
+    return "unexplained" if plain else "no_discrepancy"
 
 
 def _on_named(found: Found) -> Verdict:
