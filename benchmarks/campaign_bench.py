@@ -16,9 +16,9 @@ from benchmarks.campaign_runs import FREQUENCIES_HZ, PLANS, Excited, Measured, M
 from benchmarks.campaign_sizes import noise_of, not_far_out, square_of, strength_of, well_counted
 from hil_sim.defects import Defect
 from usmbench.cli.main import main as usmbench
+from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.gain import gain_of_blocks
 from usmbench.diagnose.pipeline import diagnose, own_effects, searched
-from usmbench.diagnose.stretches import cut_runs
 from usmbench.errors import UsmbenchError
 from usmbench.model.model_file import read_model, write_model
 from usmbench.model.replay import replay_record

@@ -25,8 +25,8 @@ from benchmarks.campaign_runs import Excited, Motor
 from benchmarks.campaign_sizes import square_of
 from benchmarks.campaign_tables import share
 from hil_sim.defects import CATALOGUE
+from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.pipeline import own_effects, searched
-from usmbench.diagnose.stretches import cut_runs
 from usmbench.model.model_file import read_model
 from usmbench.runs.reader import read_run
 

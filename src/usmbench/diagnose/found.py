@@ -120,7 +120,8 @@ def _on_nothing_named(found: Found) -> Verdict:
     """Say whether there is something to be named."""
     if found.spread > LOUD:
         return "unexplained"
-    plain = found.before.material and found.before.excess > _LEAST_EXCESS * found.before.n_rows
+    whole = found.before
+    plain = whole.p_value < PLAINLY and whole.excess > _LEAST_EXCESS * whole.n_rows
     return "unexplained" if plain else "no_discrepancy"
 
 

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm
 
+from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.experiment_menu import (
     Experiment,
     menu,
@@ -31,7 +32,7 @@ from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.refining import refine
 from usmbench.diagnose.result import Candidate, Diagnosis, Estimate, NamedCause
-from usmbench.diagnose.stretches import cut_runs, first_windows
+from usmbench.diagnose.stretches import first_windows
 from usmbench.model.effects.registry import find_effect
 from usmbench.model.extended import Applied, applied_effects
 from usmbench.model.hammerstein import HammersteinModel

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.anew import identified_anew
+from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.detectable import smallest_sizes
 from usmbench.diagnose.fitting import NOTHING, Fit
 from usmbench.diagnose.found import Found, verdict_on
@@ -19,7 +20,7 @@ from usmbench.diagnose.remainder import describe
 from usmbench.diagnose.result import Candidate, Diagnosis, Estimate, NamedCause, Trace, Verdict
 from usmbench.diagnose.search import search
 from usmbench.diagnose.sporadic import Sporadic, find_sporadic
-from usmbench.diagnose.stretches import Stretch, cut_runs
+from usmbench.diagnose.stretches import Stretch
 from usmbench.diagnose.views import residual_views
 from usmbench.model.effects.base import Effect
 from usmbench.model.effects.registry import library

@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.features import Features
 from usmbench.diagnose.features_of_runs import features_of
 from usmbench.diagnose.knowledge import KEY, Knowledge
@@ -19,7 +20,7 @@ from usmbench.diagnose.noise import Noise
 from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.spikes import PLAIN, count_steady, spiked
-from usmbench.diagnose.stretches import Mask, Stretch, cut_runs
+from usmbench.diagnose.stretches import Mask, Stretch
 from usmbench.diagnose.wander import (
     ANY,
     LEAST,

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from known_motor import WINDOW_S, applied, driven, identified, measured
 from usmbench.diagnose.chance import scatters
+from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.naming import rank, telling_deviance
 from usmbench.diagnose.pipeline import diagnose, searched
 from usmbench.diagnose.problem import Problem
-from usmbench.diagnose.stretches import cut_runs
 from usmbench.model.effects.registry import find_effect
 from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel

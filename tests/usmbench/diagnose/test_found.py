@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from known_motor import NOISE_RAD_S, driven, identified
+from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.fitting import Fit
 from usmbench.diagnose.found import Found
 from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.naming import Whole
 from usmbench.diagnose.problem import Problem
-from usmbench.diagnose.stretches import cut_runs
 
 
 @pytest.mark.parametrize(("spread", "mostly_left"), [(1.2, False), (1.8, True)])

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.noise import bend_rad_s, noise_from_mapping, step_kind
 from usmbench.diagnose.noise_estimate import estimate_noise
-from usmbench.diagnose.stretches import Stretch, cut_runs
+from usmbench.diagnose.stretches import Stretch
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.effects.registry import find_effect
 from usmbench.model.extended import Applied

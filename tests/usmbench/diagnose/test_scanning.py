@@ -5,13 +5,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.fitting import Fit
 from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.scanning import fit_effect
-from usmbench.diagnose.stretches import cut_runs
 from usmbench.model.effects.base import Context
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.effects.registry import find_effect

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.shapes import shown, unmeasured_rad_s
-from usmbench.diagnose.stretches import Stretch, cut_runs
+from usmbench.diagnose.stretches import Stretch
 from usmbench.identify.dynamics import LagFamily
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
 from usmbench.model.linear import free_run

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.noise import KINDS, LAGS, Noise
 from usmbench.diagnose.spikes import spiked
-from usmbench.diagnose.stretches import Stretch, cut_runs
+from usmbench.diagnose.stretches import Stretch
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
 from usmbench.runs.record import Record

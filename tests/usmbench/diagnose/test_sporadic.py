@@ -7,10 +7,10 @@ import pytest
 from scipy.signal import sawtooth
 
 from known_motor import NOISE_RAD_S, applied, driven, identified
+from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.sporadic import find_sporadic
-from usmbench.diagnose.stretches import cut_runs
 
 
 @pytest.mark.parametrize(("scale_error", "found"), [(0.01, True), (0.3, False)])

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.reference import with_knowledge
-from usmbench.diagnose.stretches import cut_runs
 from usmbench.diagnose.wander import Wander, departures, wander_from_mapping
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.effects.registry import find_effect

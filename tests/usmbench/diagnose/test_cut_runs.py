@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from usmbench.diagnose.stretches import cut_runs
+from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.runs.record import Record
 

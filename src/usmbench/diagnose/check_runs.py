@@ -1,0 +1,118 @@
+"""Runs that say nothing about a model, or do not belong together, are refused."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.errors import InputError
+from usmbench.model.hammerstein import HammersteinModel
+from usmbench.runs.record import Record
+
+_RATE_TOLERANCE = 1e-3
+_FEWEST_WINDOWS = 60
+
+
+def check_run(record: Record, model: HammersteinModel) -> None:
+    """Refuse numbers that are none, and windows of another length.
+
+    Parameters
+    ----------
+    record
+        The run.
+    model
+        The model that it is held against.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        The run is one of these, or too short.
+    """
+    for column in ("t_s", "phase_deg", "speed_rad_s"):
+        values = getattr(record, column)
+        if not np.all(np.isfinite(values)):
+            row = int(np.argmin(np.isfinite(values)))
+            raise InputError(f"{record.name}: {column} of row {row} is no number; mend the row")
+    if record.t_s.size < _FEWEST_WINDOWS:
+        raise InputError(
+            f"{record.name}: {record.t_s.size} windows say nothing about causes; measure at least "
+            f"{_FEWEST_WINDOWS}"
+        )
+    window_s, model_s = float(np.median(record.window_s)), model.linear.window_s
+    if model_s is not None and abs(window_s / model_s - 1.0) > _RATE_TOLERANCE:
+        raise InputError(
+            f"{record.name} has windows of {1e3 * window_s:g} ms, the model was identified on "
+            f"{1e3 * model_s:g} ms; identify it on a run with the same windows"
+        )
+
+
+def check_motors(records: Sequence[Record]) -> None:
+    """Refuse runs of different motors.
+
+    Parameters
+    ----------
+    records
+        The runs.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        They name more than one motor.
+    """
+    motors = {str(r.meta["motor"]): r.name for r in records if r.meta.get("motor") is not None}
+    if len(motors) > 1:
+        said = "; ".join(f"{name} is of {motor}" for motor, name in motors.items())
+        raise InputError(f"these runs do not belong together: {said}; diagnose one motor at a time")
+
+
+def check_outside(record: Record, outside: NDArray[np.bool_], warnings: list[str]) -> None:
+    """Refuse a run mostly outside the model's range; warn of a few rows.
+
+    Parameters
+    ----------
+    record
+        The run.
+    outside
+        Rows beyond the phases, frequencies or torques that the model knows, shape (N,).
+    warnings
+        What the user ought to know, to be added to.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        More than half of the rows are.
+    """
+    share = float(np.mean(outside))
+    if share > 0.5:
+        raise InputError(
+            f"{record.name}: {100.0 * share:.0f} % of the rows lie outside the phases, frequencies "
+            "or torques that the model was identified on; diagnose a run within them, or identify "
+            "a model on a run like this one"
+        )
+    if share > 0.0:
+        warnings.append(
+            f"{record.name}: {np.count_nonzero(outside)} rows lie outside the model's range and "
+            "are not judged"
+        )
+
+
+def check_enough(records: Sequence[Record], n_usable: int) -> None:
+    """Refuse runs of which too little can be judged.
+
+    Parameters
+    ----------
+    records
+        The runs.
+    n_usable
+        Windows that can be.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        They are too few.
+    """
+    if n_usable < _FEWEST_WINDOWS:
+        raise InputError(
+            f"{records[0].name}: fewer than {_FEWEST_WINDOWS} usable windows say nothing about "
+            "causes; measure for longer"
+        )
