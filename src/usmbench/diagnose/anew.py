@@ -13,36 +13,30 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t, ttest_1samp
 
+from usmbench.diagnose.anew_fits import (
+    BLOCKS,
+    FOLDS,
+    Judged,
+    block_of,
+    fit_curve,
+    fits_beneath,
+    judge,
+)
 from usmbench.diagnose.gain import Gain, gain_of_blocks
 from usmbench.diagnose.naming import SIGNIFICANT
 from usmbench.diagnose.remainder import describe
 from usmbench.diagnose.result import Diagnosis, Estimate, NamedCause, Trace
-from usmbench.diagnose.stretches import Mask, Stretch, first_windows
-from usmbench.diagnose.through_counter import Estimated, fit_through
+from usmbench.diagnose.stretches import Stretch, first_windows
+from usmbench.diagnose.through_counter import Estimated
 from usmbench.identify.knots import dead_zone_deg
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
-from usmbench.model.hammerstein import HammersteinModel, StaticCurve
+from usmbench.model.hammerstein import HammersteinModel
 
 Array = NDArray[np.float64]
 
 _MOST_ROWS = 4000
-_FOLDS, _BLOCKS = 4, 12
 _SIMPLER = 1.1  # a fit must beat the simpler ones before it by this factor of the mean square
-
-
-@dataclass(frozen=True, slots=True)
-class _Judged:
-    """A fit, those to three quarters of the blocks, and what they leave of the fourth."""
-
-    fit: Estimated
-    folds: tuple[Estimated, ...]
-    unseen_rad_s: tuple[Array, ...]
-
-    @property
-    def mean_square(self) -> float:
-        """Mean square of what is left of rows that were not seen."""
-        return float(np.mean(np.concatenate(self.unseen_rad_s) ** 2))
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +60,7 @@ class Anew:
     stretches: tuple[Stretch, ...]
     model: HammersteinModel
     applied: Applied
-    judged: _Judged
+    judged: Judged
     p_value: float
 
     def told(self, rest: Diagnosis) -> Diagnosis:
@@ -117,7 +111,7 @@ class Anew:
         noise_rad_s
             Root mean square of the noise.
         """
-        table = np.zeros((5, _BLOCKS))
+        table = np.zeros((5, BLOCKS))
         for s, after in zip(self.stretches, self.judged.unseen_rad_s, strict=True):
             squares = (s.residual_rad_s**2, after**2, np.full(after.size, noise_rad_s**2))
             ones = np.ones(after.size)
@@ -126,7 +120,7 @@ class Anew:
 
     def _estimates(self) -> Iterator[Estimate]:
         """Yield the parameters; their intervals are the jackknife's, over the quarters."""
-        share = float(t.ppf(0.975, _FOLDS - 1) * np.sqrt((_FOLDS - 1.0) / _FOLDS))
+        share = float(t.ppf(0.975, FOLDS - 1) * np.sqrt((FOLDS - 1.0) / FOLDS))
         for p in self.applied.effect.parameters:
             value = self.applied.values[p.name]
             others = np.array(
@@ -172,10 +166,10 @@ def identified_anew(
     beneath = [e for e in effects if e.beneath(contexts, measured, simulated)]
     if not beneath:
         return None
-    plain = _judged(some, _fitted(some, model, model.points[0].curve, None))
+    plain = judge(some, fit_curve(some, model, model.points[0].curve, None))
     best = plain
-    for fit in (fit for effect in beneath for fit in _fits(some, model, effect)):
-        judged = _judged(some, fit)
+    for fit in (fit for effect in beneath for fit in fits_beneath(some, model, effect)):
+        judged = judge(some, fit)
         if _SIMPLER * judged.mean_square < best.mean_square:
             best = judged
     p_value = _p_value(some, plain, best)
@@ -185,57 +179,9 @@ def identified_anew(
     return anew if anew.gain(0.0).gain > 0.0 else None
 
 
-def _fits(
-    stretches: Sequence[Stretch], model: HammersteinModel, effect: Effect
-) -> Iterator[Estimated]:
-    """Yield a fit with a straight curve and one with the model's, folded at 0."""
-    curve, top = model.points[0].curve, max(float(np.max(s.speed_rad_s)) for s in stretches)
-    ends_deg = curve.knots_deg[[0, -1]]
-    straight = StaticCurve(ends_deg, top * ends_deg / float(np.max(np.abs(ends_deg))))
-    folded = StaticCurve(curve.knots_deg, np.sign(curve.knots_deg) * np.abs(curve.delta))
-    applied = Applied(effect, {p.name: p.null + p.typical for p in effect.parameters})
-    for shape in (straight, folded):
-        yield _fitted(stretches, model, shape, applied)
-
-
-def _fitted(
-    stretches: Sequence[Stretch],
-    model: HammersteinModel,
-    curve: StaticCurve,
-    applied: Applied | None,
-) -> Estimated:
-    """Fit from a curve; where the counter misled, it may have feigned the dead time."""
-    found = []
-    for dead in {0, model.linear.dead_time_windows}:
-        linear = replace(model.linear, dead_time_windows=dead, slip_limit_rad_s=None)
-        start = Estimated(linear, curve, applied, np.zeros(len(stretches)), ())
-        found.append(fit_through(stretches, _rows(stretches, curve), start))
-    return min(found, key=lambda fit: fit.mean_square)
-
-
-def _rows(stretches: Sequence[Stretch], curve: StaticCurve) -> list[Mask]:
-    """Rows within the range of the curve."""
-    low_deg, high_deg = curve.knots_deg[[0, -1]]
-    phases_deg = [s.context.phase_deg for s in stretches]
-    return [(phase_deg >= low_deg) & (phase_deg <= high_deg) for phase_deg in phases_deg]
-
-
-def _judged(stretches: Sequence[Stretch], fit: Estimated) -> _Judged:
-    """Fit all blocks but every fourth, and see what that leaves of these."""
-    unseen, folds = [left.copy() for left in fit.left_rad_s], []
-    every = _rows(stretches, fit.curve)
-    for k in range(_FOLDS):
-        held = [_blocks(s) % _FOLDS == k for s in stretches]
-        seen = [rows & ~left_out for rows, left_out in zip(every, held, strict=True)]
-        folds.append(fit_through(stretches, seen, fit))
-        for own, left, rows in zip(unseen, folds[-1].left_rad_s, held, strict=True):
-            own[rows] = left[rows]
-    return _Judged(fit, tuple(folds), tuple(unseen))
-
-
-def _p_value(stretches: Sequence[Stretch], plain: _Judged, best: _Judged) -> float:
+def _p_value(stretches: Sequence[Stretch], plain: Judged, best: Judged) -> float:
     """Probability of as much less on unseen blocks by chance: a t test over their ratios."""
-    table = np.zeros((2, _BLOCKS))
+    table = np.zeros((2, BLOCKS))
     for s, before, after in zip(stretches, plain.unseen_rad_s, best.unseen_rad_s, strict=True):
         table += _sums(s, (before**2, after**2))
     judged = np.all(table > 0.0, axis=0)
@@ -263,13 +209,8 @@ def _extended(model: HammersteinModel, fit: Estimated) -> HammersteinModel:
     )
 
 
-def _blocks(stretch: Stretch) -> NDArray[np.int64]:
-    """Return the number of each row's contiguous block."""
-    return np.arange(stretch.context.n) * _BLOCKS // stretch.context.n
-
-
 def _sums(stretch: Stretch, values: Sequence[Array]) -> Array:
     """Sum values over the rows to judge of each block, shape (len(values), K)."""
-    block = _blocks(stretch)[stretch.use]
-    parts = [np.bincount(block, weights=v[stretch.use], minlength=_BLOCKS) for v in values]
+    block = block_of(stretch)[stretch.use]
+    parts = [np.bincount(block, weights=v[stretch.use], minlength=BLOCKS) for v in values]
     return np.array(parts)
