@@ -1,141 +1,18 @@
 """The plans from which the next experiment is chosen: of one length, and unlike each other."""
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-from usmbench.model.hammerstein import HammersteinModel
-from usmbench.model.simulate import simulate
-from usmbench.runs.record import Record
-from usmbench.settings.plan import Plan
-from usmbench.settings.plan_file import parse_plan
-from usmbench.settings.yaml_source import Source
-from usmbench.sweep.schedule import schedule
-
-Array = NDArray[np.float64]
-Document = dict[str, Any]
+from usmbench.diagnose.experiment import Document, Experiment
+from usmbench.diagnose.experiment_range import Range
 
 DURATION_S = 30.0
 _SHORTEST_DWELL = 4
 _LEVELS = 9
 _SEED = 1
 _STAIRS = 24
-_DEAD_ZONE_DEG = (-5.0, 5.0)  # where the model knows of none
-
-
-@dataclass(frozen=True, slots=True)
-class Experiment:
-    """A plan and what it is in words.
-
-    Parameters
-    ----------
-    says
-        What is driven, the end of a sentence.
-    document
-        The plan, as its file says it.
-    """
-
-    says: str
-    document: Document
-
-    @property
-    def plan(self) -> Plan:
-        """The checked plan."""
-        return parse_plan(Source("the proposed plan", self.document))
-
-    @property
-    def hold_windows(self) -> int:
-        """Windows for which each phase is held at least."""
-        free = self.document.get("excitation")
-        held: int = self.document["dwell"]["windows"] if free is None else free["hold_windows"]
-        return held
-
-    def repeated(self, times: int) -> "Experiment":
-        """Return the same experiment, several times as long.
-
-        Parameters
-        ----------
-        times
-            How many times.
-        """
-        document = dict(self.document)
-        if "excitation" in document:
-            excitation = document["excitation"]
-            document["excitation"] = {**excitation, "duration_s": times * excitation["duration_s"]}
-        else:
-            document["passes"] = [
-                {**one, "repeats": times * one.get("repeats", 1)} for one in document["passes"]
-            ]
-        return Experiment(f"{self.says}, {times} times as long", document)
-
-
-@dataclass(frozen=True, slots=True)
-class Range:
-    """Where an experiment may go.
-
-    Parameters
-    ----------
-    low_deg, high_deg
-        Lowest and highest phase.
-    dead_zone_deg
-        Lower and upper edge of the dead zone.
-    window_s
-        Duration of a window.
-    frequency_hz, torque_nm
-        Drive frequencies and load torques that the model knows, at least one each; where the runs
-        were comes first.
-    """
-
-    low_deg: float
-    high_deg: float
-    dead_zone_deg: tuple[float, float]
-    window_s: float
-    frequency_hz: tuple[float, ...]
-    torque_nm: tuple[float, ...]
-
-
-def range_of(model: HammersteinModel, records: Sequence[Record]) -> Range | None:
-    """Return where a model may be used; None where no drive frequency is known.
-
-    Parameters
-    ----------
-    model
-        The model.
-    records
-        Runs of the motor: what they drove comes first.
-    """
-    points = model.points
-    frequencies_hz = _known((p.frequency_hz for p in points), [r.frequency_hz for r in records])
-    if not frequencies_hz:
-        return None
-    low_deg = max(p.phase_range_deg[0] for p in points)
-    high_deg = min(p.phase_range_deg[1] for p in points)
-    zone = points[0].dead_zone_deg
-    edges = tuple(
-        default if edge is None else edge
-        for edge, default in zip(zone, _DEAD_ZONE_DEG, strict=True)
-    )
-    return Range(
-        low_deg,
-        high_deg,
-        (edges[0], edges[1]),
-        float(np.median(records[0].window_s)),
-        frequencies_hz,
-        _known((p.torque_nm for p in points), [r.torque_nm for r in records]) or (0.0,),
-    )
-
-
-def _known(values: Iterable[float | None], columns: Sequence[Array | None]) -> tuple[float, ...]:
-    """Return what the points know of a setting, nearest to the runs' first; else the runs' own."""
-    known = sorted({value for value in values if value is not None})
-    driven = [float(np.median(column)) for column in columns if column is not None]
-    if not driven:
-        return tuple(known)
-    return tuple(sorted(known, key=lambda value: abs(value - driven[0]))) or (driven[0],)
 
 
 def menu(where: Range) -> tuple[Experiment, ...]:
@@ -263,35 +140,3 @@ def _dwell(windows: int) -> Document:
         "extend_to_windows": windows,
         "settle": {"min_windows": 1, "over_windows": 2},
     }
-
-
-def planned_record(plan: Plan, model: HammersteinModel, window_s: float) -> Record:
-    """Return the run that a plan would give if the motor did what the model says.
-
-    Parameters
-    ----------
-    plan
-        The plan.
-    model
-        The model.
-    window_s
-        Duration of a window.
-    """
-    dwells = list(schedule(plan, window_s))
-    windows = [dwell.windows for dwell in dwells]
-
-    def column(value: Any) -> Array:
-        return np.repeat([float(value(dwell)) for dwell in dwells], windows)
-
-    phase_deg = column(lambda dwell: dwell.phase_deg)
-    record = Record(
-        plan.name,
-        window_s * np.arange(1.0, phase_deg.size + 1.0),
-        phase_deg,
-        np.zeros(phase_deg.size),
-        np.full(phase_deg.size, window_s),
-        frequency_hz=column(lambda dwell: dwell.frequency_hz),
-        torque_nm=column(lambda dwell: dwell.torque_nm),
-    )
-    run = simulate(model, phase_deg, record.frequency_hz, record.torque_nm, t_s=record.t_s)
-    return replace(record, speed_rad_s=run.speed_rad_s)

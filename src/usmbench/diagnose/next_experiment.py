@@ -18,12 +18,9 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from usmbench.diagnose.cut_runs import cut_runs
-from usmbench.diagnose.experiment_menu import (
-    Experiment,
-    menu,
-    planned_record,
-    range_of,
-)
+from usmbench.diagnose.experiment import Experiment, planned_record
+from usmbench.diagnose.experiment_menu import menu
+from usmbench.diagnose.experiment_range import range_of
 from usmbench.diagnose.fitting import Fit
 from usmbench.diagnose.knowledge import Knowledge, knowledge_of
 from usmbench.diagnose.naming import telling_deviance

@@ -6,14 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from usmbench.diagnose.experiment_menu import (
-    DURATION_S,
-    Experiment,
-    Range,
-    menu,
-    planned_record,
-    range_of,
-)
+from usmbench.diagnose.experiment import Experiment, planned_record
+from usmbench.diagnose.experiment_menu import DURATION_S, menu
+from usmbench.diagnose.experiment_range import Range, range_of
 from usmbench.model.hammerstein import HammersteinModel, LinearPart, OperatingPoint, StaticCurve
 from usmbench.runs.record import Record
 
