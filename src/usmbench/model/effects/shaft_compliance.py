@@ -12,6 +12,7 @@ from usmbench.model.linear import time_constant_s
 
 _SUBSTEPS = 8
 _REST = 0.01  # of the highest speed
+_SHORTEST = 2.0  # windows a period: what swings faster looks like any ripple
 _MEND = "Tighten or stiffen the coupling between motor and disc; look for a cracked helix."
 _SHAPE = (
     Parameter("period_s", "s", 0.0, 0.0, 0.5, 0.003, scanned=True),
@@ -40,21 +41,21 @@ class ShaftCompliance(Effect):
         signal, context, values
             As in `Effect.apply`.
         """
-        if values["period_s"] <= 0.0:
+        if values["period_s"] < _SHORTEST * context.window_s:
             return signal
         step_s = context.window_s / _SUBSTEPS
         b, a = _held(2.0 * math.pi / values["period_s"], values["damping"], step_s)
         return np.asarray(signal[0] + _averaged(b, a, signal - signal[0]))
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
-        """Return periods from one window to some thirty: what rings faster is a mere delay.
+        """Return periods from the shortest that windows show to thirty of them.
 
         Parameters
         ----------
         contexts
             All stretches.
         """
-        periods_s = contexts[0].window_s * np.geomspace(1.0, 30.0, 12)
+        periods_s = contexts[0].window_s * np.geomspace(_SHORTEST, 30.0, 11)
         return {
             "period_s": np.minimum(periods_s, 0.5),
             "damping": np.array([0.03, 0.12, 0.4]),
@@ -102,7 +103,8 @@ class SwingingLoad(ShaftCompliance):
             As in `Effect.apply`.
         """
         tau_s = time_constant_s(context.linear)
-        if values["period_s"] <= 0.0 or values["load_share"] <= 0.0 or not tau_s:
+        seen = values["period_s"] >= _SHORTEST * context.window_s
+        if not seen or values["load_share"] <= 0.0 or not tau_s:
             return signal
         natural, damping = 2.0 * math.pi / values["period_s"], values["damping"]
         swing = np.array([1.0, 2.0 * damping * natural, natural**2])
