@@ -137,8 +137,9 @@ def _on_named(found: Found) -> Verdict:
         return "unexplained"
     # Several that leave something are patches on what the library does not know.
     if says == "unexplained" or found.mostly_left or (says != "explained" and found.named[1:]):
-        chance = leaves_scatter(found.problem, found.fit.effects)
-        return "partly_explained" if chance else "unexplained"
+        if not leaves_scatter(found.problem, found.fit.effects):
+            return "unexplained"
+        says = "partly_explained"
     # Where unseen blocks come out no better, what is left is the matter.
     if says != "explained" and held_out_gain(found.problem, found.fit).gain < _LEAST_GAIN:
         return "unexplained"

@@ -3,19 +3,18 @@
 import numpy as np
 import pytest
 
-from known_motor import NOISE_RAD_S, driven, identified
+from known_motor import NOISE_RAD_S, applied, driven, identified
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.fitting import Fit
-from usmbench.diagnose.found import Found
+from usmbench.diagnose.found import Found, verdict_on
+from usmbench.diagnose.gain import Gain
 from usmbench.diagnose.knowledge import knowledge_of
-from usmbench.diagnose.naming import Whole
+from usmbench.diagnose.naming import Ranked, Whole
 from usmbench.diagnose.problem import Problem
 
 
-@pytest.mark.parametrize(("spread", "mostly_left"), [(1.2, False), (1.8, True)])
-def test_a_noise_that_has_grown_to_a_finding_is_left_by_a_name(
-    spread: float, mostly_left: bool
-) -> None:
+def _judged(spread: float) -> Problem:
+    """Return a healthy run whose noise has grown."""
     model = identified()
     record = driven(np.repeat(np.random.default_rng(6).uniform(-88.0, 88.0, 100), 20), 6)
     more = np.sqrt(spread**2 - 1.0) * NOISE_RAD_S * np.random.default_rng(7).standard_normal(2000)
@@ -23,7 +22,31 @@ def test_a_noise_that_has_grown_to_a_finding_is_left_by_a_name(
     (stretch,), _ = cut_runs([record], model, ())
     known = knowledge_of(model)
     assert known.noise is not None
-    problem = Problem([stretch], known, known.noise, [stretch.use])
+    return Problem([stretch], known, known.noise, [stretch.use])
+
+
+@pytest.mark.parametrize(("spread", "mostly_left"), [(1.2, False), (1.8, True)])
+def test_a_noise_that_has_grown_to_a_finding_is_left_by_a_name(
+    spread: float, mostly_left: bool
+) -> None:
+    problem = _judged(spread)
     fit = Fit((), 0.1 * problem.deviance, 0.0)
     quiet = Whole(0.0, 1.0, problem.n_rows)
     assert Found(problem, spread, [], [], fit, quiet, quiet).mostly_left == mostly_left
+
+
+@pytest.mark.parametrize(
+    ("gain", "verdict"), [(0.5, "partly_explained"), (0.0, "unexplained")], ids=["some", "none"]
+)
+def test_scatter_excuses_no_name_that_gains_nothing_unseen(
+    gain: float, verdict: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem = _judged(1.0)
+    lost = applied("missed_counts", "of all", share_lost=0.05, above_rad_s=9.0)
+    fit = Fit((lost,), 900.0, 0.0)
+    named = [[Ranked(lost.effect, fit, 900.0, 0.0, 900.0)]]
+    before, after = (Whole(excess, 0.0, problem.n_rows) for excess in (1000.0, 450.0))
+    scored = Gain(0.1, 0.1, 0.05, gain, gain, gain)
+    monkeypatch.setattr("usmbench.diagnose.found.leaves_scatter", lambda *_: True)
+    monkeypatch.setattr("usmbench.diagnose.found.held_out_gain", lambda *_: scored)
+    assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), None) == verdict
