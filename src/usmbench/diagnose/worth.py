@@ -11,9 +11,10 @@ from usmbench.model.extended import Applied
 
 Array = NDArray[np.float64]
 
-_SECOND_LEAST = 40.0  # what patches bring, see "two causes" in benchmarks/naming_campaign.py
-_SECOND_SHARE = 0.005  # of the first, whose form may be off by as much
-_MOSTLY = 0.75
+# What a further cause has to bring in deviance though the form of those before it is in doubt: what
+# patches bring, see "two causes" in benchmarks/naming_campaign.py, and a share of the first.
+_SECOND_LEAST, _SECOND_SHARE = 40.0, 3e-4
+_ONE_FOLD = 2.0 / 3.0  # of what it takes from unseen blocks
 # That a cause has to explain better: rows, or places in the runs, where it acts at starts only.
 _FEWEST_ROWS, _FEWEST_PLACES = 8.0, 2.5
 _GAINED, _APART = 20.0, 5  # deviance of a row beyond chance; rows without between two places
@@ -38,25 +39,17 @@ def worth_a_name(
     spread
         Standard deviation of the whitened noise, at least 1.
     """
-    if before.effects and not _earned(problem, before, longer, first, spread):
-        return False
+    taken, most = float(np.sum(unseen)), float(np.max(unseen))
     # One block alone may be an accident.
-    if min(float(np.sum(unseen)), float(np.sum(unseen) - np.max(unseen))) <= 0.0:
+    if min(taken, taken - most) <= 0.0:
         return False
+    if before.effects:
+        fits = before.effects, longer.effects
+        kept = _gained(problem.doubting(before.effects), *fits) / spread**2
+        if kept < max(_SECOND_LEAST, _SECOND_SHARE * first) or most > _ONE_FOLD * taken:
+            return False
     gained = _by_row(problem, before, longer)
     return _effective(gained) >= _FEWEST_ROWS or _places(problem, gained) >= _FEWEST_PLACES
-
-
-def _earned(problem: Problem, before: Fit, longer: Fit, first: float, spread: float) -> bool:
-    """Whether a further cause explains more than what the form of those before it may be off by.
-
-    That is a share of themselves, by speed and time since the step: with so much allowed to them it
-    still explains something, and either most of what it did or more than a share of the first.
-    """
-    least, share = (size * spread**2 for size in (_SECOND_LEAST, _SECOND_SHARE * first))
-    plain = longer.statistic - before.statistic
-    kept = _gained(problem.doubting(before.effects), before.effects, longer.effects)
-    return kept > least and (kept > _MOSTLY * plain or plain > share)
 
 
 def _gained(problem: Problem, before: Sequence[Applied], after: Sequence[Applied]) -> float:
