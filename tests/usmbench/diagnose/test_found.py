@@ -50,3 +50,13 @@ def test_scatter_excuses_no_name_that_gains_nothing_unseen(
     monkeypatch.setattr("usmbench.diagnose.found.leaves_scatter", lambda *_: True)
     monkeypatch.setattr("usmbench.diagnose.found.held_out_gain", lambda *_: scored)
     assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), None) == verdict
+
+
+@pytest.mark.parametrize(("share", "verdict"), [(0.2, "no_discrepancy"), (0.3, "unexplained")])
+def test_what_has_no_name_counts_window_by_window(share: float, verdict: str) -> None:
+    problem = _judged(1.0)
+    # In a window in which the rotor stops the plain error is large, and tells nothing.
+    problem.residual_rad_s[0][100] = 50.0
+    found = Whole(share * problem.n_rows, 0.0, problem.n_rows)
+    fit = Fit((), 0.0, 0.0)
+    assert verdict_on(Found(problem, 1.0, [], [], fit, found, found), None) == verdict

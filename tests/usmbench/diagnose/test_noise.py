@@ -62,6 +62,19 @@ def test_what_steps_add_is_found_by_their_size(stretch: Stretch, kind: int, grow
     assert np.median(noise.level_rad_s(stretch)[calm]) == pytest.approx(NOISE_RAD_S, rel=0.1)
 
 
+def test_a_reversal_between_small_speeds_is_as_uncertain_as_between_larger_ones(
+    stretch: Stretch,
+) -> None:
+    rng = np.random.default_rng(5)
+    turned = (stretch.lag == 0) & (step_kind(stretch) == 3)
+    level = np.where(turned, 0.2, NOISE_RAD_S)
+    noise = estimate_noise([stretch], [level * rng.standard_normal(N)], [stretch.use])
+    small = _stretch(np.repeat([80.0, 13.0, -13.0, 16.0, 60.0], 20))
+    assert step_kind(small)[[40, 60]].tolist() == [3, 3]
+    assert noise.level_rad_s(small)[[40, 60]] == pytest.approx([0.2, 0.2], rel=0.3)
+    assert noise.level_rad_s(small)[80] == pytest.approx(NOISE_RAD_S, rel=0.3)
+
+
 def test_a_larger_step_than_any_seen_adds_more_in_proportion(stretch: Stretch) -> None:
     rng = np.random.default_rng(3)
     level = np.where(stretch.lag == 0, 0.05 * np.abs(stretch.step_rad_s), NOISE_RAD_S)

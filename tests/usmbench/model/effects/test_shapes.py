@@ -122,6 +122,16 @@ def test_a_soft_shaft_rings_with_its_period_and_settles() -> None:
     assert math.isclose(disc[-1], 1.0, abs_tol=1e-2)
 
 
+def test_what_rings_faster_than_two_windows_is_not_told_from_a_ripple() -> None:
+    step = np.r_[np.zeros(5), np.ones(40)]
+    context = replace(_context(step.size), phase_deg=step)
+    for effect in (ShaftCompliance(), SwingingLoad()):
+        for period_s, rings in ((0.019, False), (0.021, True)):
+            values = {"load_share": 0.3, "period_s": period_s, "damping": 0.05}
+            assert bool(np.any(effect.apply(step, context, values) != step)) == rings
+        assert effect.grid([context])["period_s"].min() == 0.02
+
+
 def test_a_load_swings_as_its_equations_of_motion_say() -> None:
     speed = np.repeat([0.0, 5.0, 7.0, -3.0], 10)
     share, period_s, damping = 0.4, 0.06, 0.1

@@ -1,0 +1,53 @@
+"""What a cause has to bring to be worth a name."""
+
+import numpy as np
+import pytest
+
+from known_motor import applied, driven, identified
+from usmbench.diagnose.cut_runs import cut_runs
+from usmbench.diagnose.fitting import NOTHING, Fit
+from usmbench.diagnose.knowledge import knowledge_of
+from usmbench.diagnose.problem import Problem
+from usmbench.diagnose.worth import worth_a_name
+from usmbench.model.extended import Applied
+
+LATE = applied("transport_delay", "", delay_s=0.006)
+WARMS = applied("thermal_drift", "speed", final_drift=-0.01, warm_up_s=15.0)
+EVERYWHERE, ONE_PLACE = [80.0, 100.0, 60.0, 80.0], [20.0, 20.0, 260.0, 20.0]
+
+
+@pytest.fixture(scope="module")
+def problem() -> Problem:
+    """Return a run of a motor that follows late and warms."""
+    phase_deg = np.repeat(np.random.default_rng(3).uniform(-88.0, 88.0, 100), 20)
+    model = identified()
+    (stretch,), _ = cut_runs([driven(phase_deg, 13, LATE, WARMS)], model, ())
+    known = knowledge_of(model)
+    assert known.noise is not None
+    return Problem([stretch], known, known.noise, [stretch.use])
+
+
+def _fit(problem: Problem, *effects: Applied) -> Fit:
+    named = tuple(a for a in (LATE, WARMS) if a in effects)
+    left = problem.left(named)
+    return Fit(named, problem.deviance - float(left @ left), 0.0)
+
+
+@pytest.mark.parametrize(
+    ("unseen", "first", "worth"),
+    [(EVERYWHERE, 1e5, True), (ONE_PLACE, 1e5, False), (EVERYWHERE, 1e8, False)],
+    ids=["in its own right", "in one place", "next to nothing beside the first"],
+)
+def test_a_further_cause_is_asked_for_more(
+    problem: Problem, unseen: list[float], first: float, worth: bool
+) -> None:
+    before, longer = _fit(problem, LATE), _fit(problem, LATE, WARMS)
+    assert worth_a_name(problem, before, longer, np.array(unseen), first, 1.0) == worth
+
+
+@pytest.mark.parametrize(("unseen", "worth"), [(ONE_PLACE, True), ([0.0, 0.0, 300.0, -1.0], False)])
+def test_a_first_cause_may_hold_unevenly_but_not_in_one_place_alone(
+    problem: Problem, unseen: list[float], worth: bool
+) -> None:
+    fit = _fit(problem, LATE)
+    assert worth_a_name(problem, NOTHING, fit, np.array(unseen), 0.0, 1.0) == worth
