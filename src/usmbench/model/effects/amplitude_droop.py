@@ -12,12 +12,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
-from usmbench.model.effects.resonance import (
-    RESONANCE_KNOWN,
-    AlongResonance,
-    knows_resonance,
-    vibrating_less,
-)
+from usmbench.model.effects.resonance import AlongResonance, WithoutResonance, vibrating_less
 from usmbench.model.effects.weaker_drive import travelling, weaker
 
 _MEANING = "The drive voltages give way while the motor delivers power: fast is slower than it was."
@@ -27,14 +22,13 @@ _HELD = Parameter("held_back_rad_s", "rad/s", 0.0, 0.0, 30.0, 0.05)
 _STORE = Parameter("store_s", "s", 0.1, 0.005, 5.0, 0.05, scanned=True)
 
 
-class Droop(Effect):
+class Droop(WithoutResonance):
     """The vibration falls with the power, and the speed with it."""
 
     name = "amplitude_droop"
     form = "at once"
     meaning = _MEANING
     mend = _MEND
-    stage = "settled"
     parameters: ClassVar[tuple[Parameter, ...]] = (_DROOP, _HELD)
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
@@ -48,16 +42,6 @@ class Droop(Effect):
         load = _load(signal, context, values)
         lost, held_rad_s = values["droop_at_top"] * load, values["held_back_rad_s"] * load
         return weaker(signal, context, lost, held_rad_s)
-
-    def untestable(self, contexts: Sequence[Context]) -> str | None:
-        """Return why these runs cannot show the cause, or None where they can.
-
-        Parameters
-        ----------
-        contexts
-            All stretches.
-        """
-        return RESONANCE_KNOWN if knows_resonance(contexts) else None
 
 
 class DroopAlongResonance(AlongResonance):

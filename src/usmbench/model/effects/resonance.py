@@ -7,7 +7,7 @@ import numpy as np
 from usmbench.errors import InputError
 from usmbench.model.effects.base import Array, Context, Effect
 
-RESONANCE_KNOWN = "the model knows the resonance curve, along which another form goes"
+_KNOWN = "the model knows the resonance curve, along which another form goes"
 _UNKNOWN = "the model knows one drive frequency only; identify it on runs at several, near each"
 _STEEP = 5.0  # relative change of speed over that of frequency; below, the pair spans the top
 
@@ -26,6 +26,22 @@ class AlongResonance(Effect):
             All stretches.
         """
         return None if knows_resonance(contexts) else _UNKNOWN
+
+
+class WithoutResonance(Effect):
+    """An effect on the vibration where the model does not know its resonance curve."""
+
+    stage = "settled"
+
+    def untestable(self, contexts: Sequence[Context]) -> str | None:
+        """Return why these runs cannot show the cause, or None where they can.
+
+        Parameters
+        ----------
+        contexts
+            All stretches.
+        """
+        return _KNOWN if knows_resonance(contexts) else None
 
 
 def detuned(signal: Array, context: Context, relative: Array | float) -> Array:

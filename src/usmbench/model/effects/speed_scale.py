@@ -16,8 +16,6 @@ from usmbench.model.effects.base import (
 from usmbench.model.effects.first_order import first_order, lag_and_delay_s
 from usmbench.model.hammerstein import LinearPart
 
-_SCALE = Parameter("scale_error", "1", 0.0, -0.9, 3.0, 0.01)
-
 
 class SpeedScale(Effect):
     """ω′ = ω (1 + s): another number of counts a revolution, or another motor gain."""
@@ -26,7 +24,7 @@ class SpeedScale(Effect):
     meaning = "All speeds differ from the simulation by one factor."
     mend = "Check counts_per_rev against the disc, the sample clock, and the drive amplitude."
     stage: ClassVar[Stage] = "counter"
-    parameters = (_SCALE,)
+    parameters = (Parameter("scale_error", "1", 0.0, -0.9, 3.0, 0.01),)
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the speed that is reported.
@@ -58,29 +56,17 @@ class MotorGain(SpeedScale):
         return "without a torque limit the motor's gain is that of the counter"
 
 
-class MovedContact(DynamicsEffect):
+class MovedContact(SpeedScale, DynamicsEffect):
     """v′ = v (1 + s), τ′ = τ (1 + s)²: the rotor touches the stator at a radius 1/(1 + s) as large.
 
     There the same slip of the surfaces is 1 + s times as much of the rotor's speed, and the same
     force 1 + s times less torque.
     """
 
-    name = "speed_scale"
     form = "of the contact"
     meaning = "The rotor touches the stator at another radius: speeds and lag differ."
     mend = "Look at the friction layer's track on the stator; lap it, or let it bed in again."
-    stage: ClassVar[Stage] = "settled"
-    parameters = (_SCALE,)
-
-    def apply(self, signal: Array, context: Context, values: Values) -> Array:
-        """Return the settled speed.
-
-        Parameters
-        ----------
-        signal, context, values
-            As in `Effect.apply`.
-        """
-        return signal * (1.0 + values["scale_error"])
+    stage = "settled"
 
     def linear_part(self, linear: LinearPart, context: Context, values: Values) -> LinearPart:
         """Return the linear part of the other lag.

@@ -7,12 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values, longest_s
-from usmbench.model.effects.resonance import (
-    RESONANCE_KNOWN,
-    AlongResonance,
-    detuned,
-    knows_resonance,
-)
+from usmbench.model.effects.resonance import AlongResonance, WithoutResonance, detuned
 from usmbench.model.effects.weaker_drive import weaker
 
 _MEANING = "The speed changes over the run as the motor warms and its resonance moves."
@@ -61,7 +56,7 @@ class ThermalDrift(Effect):
         return {"warm_up_s": np.unique(tried_s)}
 
 
-class DriftingFriction(ThermalDrift):
+class DriftingFriction(WithoutResonance, ThermalDrift):
     """As `ThermalDrift`, and friction grows with it: a lower vibration frees less of the rotor."""
 
     form = "speed and friction"
@@ -82,16 +77,6 @@ class DriftingFriction(ThermalDrift):
         warmed = -np.expm1(-context.t_s / values["warm_up_s"])
         lost, held_rad_s = -values["final_drift"], values["final_held_back_rad_s"]
         return weaker(signal, context, lost * warmed, held_rad_s * warmed)
-
-    def untestable(self, contexts: Sequence[Context]) -> str | None:
-        """Return why these runs cannot show the cause, or None where they can.
-
-        Parameters
-        ----------
-        contexts
-            All stretches.
-        """
-        return RESONANCE_KNOWN if knows_resonance(contexts) else None
 
 
 class DriftingResonance(ThermalDrift, AlongResonance):

@@ -1,11 +1,9 @@
 """What a smaller vibration does, where no resonance curve says it: less speed, more friction."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
-from usmbench.model.effects.resonance import RESONANCE_KNOWN, knows_resonance
+from usmbench.model.effects.base import Array, Context, Parameter, Values
+from usmbench.model.effects.resonance import WithoutResonance
 
 
 def weaker(
@@ -46,13 +44,12 @@ def travelling(signal: Array, context: Context) -> Array:
     return np.minimum((signal / max(top_rad_s, 1e-12)) ** 2, 1.0)
 
 
-class WeakerDrive(Effect):
+class WeakerDrive(WithoutResonance):
     """v′ = (1 − s) v − h (1 − (v/v_top)²) sign v: the crests are lower, and friction holds more.
 
     At one operating point every cause that lowers the vibration looks like this.
     """
 
-    stage = "settled"
     parameters = (
         Parameter("speed_lost", "1", 0.0, -2.0, 0.9, 0.01),
         Parameter("held_back_rad_s", "rad/s", 0.0, -30.0, 30.0, 0.05),
@@ -67,13 +64,3 @@ class WeakerDrive(Effect):
             As in `Effect.apply`.
         """
         return weaker(signal, context, values["speed_lost"], values["held_back_rad_s"])
-
-    def untestable(self, contexts: Sequence[Context]) -> str | None:
-        """Return why these runs cannot show the cause, or None where they can.
-
-        Parameters
-        ----------
-        contexts
-            All stretches.
-        """
-        return RESONANCE_KNOWN if knows_resonance(contexts) else None
