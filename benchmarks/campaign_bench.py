@@ -11,12 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.campaign_draws import Draw
+from benchmarks.campaign_effects import Effects, Seen
 from benchmarks.campaign_outcome import Outcome
-from benchmarks.campaign_runs import FREQUENCIES_HZ, PLANS, Excited, Measured, Motor, TurnedDisc
-from benchmarks.campaign_sizes import noise_of, not_far_out, square_of, strength_of, well_counted
+from benchmarks.campaign_runs import FREQUENCIES_HZ, PLANS, Excited, Measured, Motor
+from benchmarks.campaign_sizes import noise_of, not_far_out, square_of, strength_of
+from benchmarks.told_test import told_length
 from hil_sim.defects import Defect
 from usmbench.cli.main import main as usmbench
 from usmbench.diagnose.cut_runs import cut_runs
+from usmbench.diagnose.found import Found
 from usmbench.diagnose.gain import gain_of_blocks
 from usmbench.diagnose.pipeline import diagnose, own_effects, searched
 from usmbench.errors import UsmbenchError
@@ -31,9 +34,7 @@ REFERENCE_S: Final = 40.0
 SMALL_REFERENCE_S: Final = 12.0
 _BESIDE_HZ: Final = (-25.0, 0.0, 25.0)  # near enough for the slope, far enough for the noise
 _FRESH: Final = 5000
-_DAYS: Final = (700, 701, 702)  # on which an effect is measured
-_BY_CHANCE: Final = {"slow_input_filter", "spikes"}
-_WIDER: Final = 0.05  # enough that it moves more than single counts
+_SMALL: Final = 1.0  # noise
 _FRESH_EVERY: Final = 4  # a fresh run costs as much as the draw itself
 
 
@@ -55,40 +56,12 @@ class MotorBench:
 
     def __init__(self, runs: Path, folder: Path, motor: Motor, reference_s: float = REFERENCE_S):
         self._runs, self._folder, self._motor = runs, folder, motor
+        self.effects = Effects(runs, motor)
         self.model = folder / "model.yaml"
         references = [
             Measured(motor, excited, excited.seed).folder(runs) for excited in _healthy(reference_s)
         ]
         _command("identify", *references, "--out", self.model)
-
-    def effects_rad_s(self, excited: Excited, defects: tuple[Defect, ...]) -> Array:
-        """Return what defects change in the speed on some days, the noise the same, (D, N)."""
-        return self._speeds_rad_s(excited, defects) - self._speeds_rad_s(excited)
-
-    def _struck_rad_s(self, draw: Draw, defects: tuple[Defect, ...]) -> Array:
-        """Return what they change in the draw's own run, (1, N): chance is another every day."""
-        days = [self.measured(draw.excited, draw.number, made) for made in (defects, ())]
-        with_rad_s, without_rad_s = (read_run(day).speed_rad_s for day in days)
-        return (with_rad_s - without_rad_s)[None]
-
-    def _speeds_rad_s(self, excited: Excited, defects: tuple[Defect, ...] = ()) -> Array:
-        """Return the speed on those days, shape (D, N)."""
-        # Where the shaft creeps, a disc that sits alike would put the same count into the same
-        # window every day.
-        turned = np.random.default_rng([self._motor.seed, 9]).uniform(size=len(_DAYS))
-        days = zip(_DAYS, turned.tolist(), strict=True)
-        runs = [self.measured(excited, day, (*defects, TurnedDisc(u))) for day, u in days]
-        return np.stack([read_run(run).speed_rad_s for run in runs])
-
-    def _quiet(self, excited: Excited, clamp_error: float = 0.0) -> Array:
-        """Speed of the healthy motor without noise and wander."""
-        motor = replace(self._motor, quiet=True, wander=0.0, clamp_error=clamp_error)
-        return read_run(Measured(motor, excited, 0).folder(self._runs)).speed_rad_s
-
-    def _wanders(self, excited: Excited) -> Array:
-        """Return what a standard deviation of the gain and of the dead zone change, (N, 2)."""
-        quiet, wider = self._quiet(excited), self._quiet(excited, _WIDER)
-        return self._motor.wander * np.column_stack((quiet, (wider - quiet) / _WIDER))
 
     def diagnosed(self, draw: Draw) -> Outcome:
         """Hide, measure, diagnose."""
@@ -135,35 +108,38 @@ class MotorBench:
         write_model(self._extended, result.extended)
         return result.to_json()
 
+    def _searched(self, record: Record) -> Found:
+        """Return what a diagnosis of a run finds before it says so."""
+        model = read_model(self.model)
+        return searched(cut_runs([record], model, own_effects(model))[0], model)
+
     @property
     def _extended(self) -> Path:
         return self._folder / "extended.yaml"
 
     def _compare(self, outcome: Outcome, record: Record, draw: Draw) -> None:
         """Hold what is hidden against the noise."""
-        excited, defects = draw.excited, draw.hidden.made
-        healthy, hidden = self._speeds_rad_s(excited), self._speeds_rad_s(excited, defects)
+        defects, healthy = draw.hidden.made, self.effects.speeds_rad_s(draw.excited)
         noise, (_, inside) = noise_of(healthy), _error(self.model, record)
         rows = inside & not_far_out(np.max(np.abs(noise), axis=0))
         noise_rad_s = float(np.sqrt(np.mean(noise[:, rows] ** 2)))
-        if not _strikes(defects):
-            rows &= well_counted(np.concatenate([healthy, hidden]))
-        wanders = self._wanders(excited)[rows]
+        wanders = self.effects.wanders(draw.excited)
 
-        def seen(parts: tuple[Defect, ...]) -> Array:
-            if _strikes(parts):
-                return self._struck_rad_s(draw, parts)
-            return self.effects_rad_s(excited, parts)
+        def strength(seen: Seen) -> float:
+            usual = rows & seen.well
+            effects, ways = seen.effects_rad_s[:, usual], wanders[usual]
+            return strength_of(effects, ways, noise_rad_s, by_chance=seen.by_chance)
 
-        def strength(parts: tuple[Defect, ...]) -> float:
-            effects = seen(parts)[:, rows]
-            return strength_of(effects, wanders, noise_rad_s, by_chance=_strikes(parts))
-
-        outcome.strength = outcome.weakest = strength(defects)
+        seen = self.effects.seen(draw, defects)
+        outcome.strength = outcome.weakest = strength(seen)
         if len(defects) > 1:
-            outcome.weakest = min(strength((defect,)) for defect in defects)
-        square = square_of(seen(defects)[:, inside], by_chance=_strikes(defects))
+            outcome.weakest = min(strength(self.effects.seen(draw, (d,))) for d in defects)
+        square = square_of(seen.effects_rad_s[:, inside], by_chance=seen.by_chance)
         outcome.rms = float(np.sqrt(square / np.count_nonzero(inside))) / noise_rad_s
+        small = draw.hidden.group == "single" and outcome.strength < _SMALL
+        if small and not seen.by_chance:
+            found = self._searched(record)
+            outcome.told = told_length(seen.effects_rad_s, record, found, seen.well)
 
     def _on_another_run(self, outcome: Outcome, draw: Draw) -> None:
         """Score the extended model, and the plain one with the true effect, on a run unseen."""
@@ -171,20 +147,14 @@ class MotorBench:
         excited = replace(draw.excited, seed=draw.excited.seed + _FRESH)
         record = read_run(self.measured(excited, day, defects))
         (plain, _), (better, _) = _error(self.model, record), _error(self._extended, record)
-        truly = plain - self.effects_rad_s(excited, defects).mean(axis=0)
+        truly = plain - self.effects.effects_rad_s(excited, defects).mean(axis=0)
         # The windows that a diagnosis of this run would score.
-        model = read_model(self.model)
-        problem = searched(cut_runs([record], model, own_effects(model))[0], model).problem
+        problem = self._searched(record).problem
         ((stretch,), (mask,)) = problem.stretches, problem.masks
         rows = stretch.use & mask
         floor = problem.noise.level_rad_s(stretch)[rows]
         outcome.fresh_gain = _gain(plain[rows], better[rows], floor)
         outcome.oracle_gain = _gain(plain[rows], truly[rows], floor)
-
-
-def _strikes(defects: tuple[Defect, ...]) -> bool:
-    """Whether any of these acts by chance."""
-    return any(defect.mechanism in _BY_CHANCE for defect in defects)
 
 
 def _healthy(reference_s: float) -> Iterator[Excited]:

@@ -27,6 +27,8 @@ class Outcome:
         The same of the smaller one of two causes.
     rms
         Plain ratio of root mean squares, of what was hidden and of the noise.
+    told
+        Length of a small effect to a test that is told its form; None where it was not asked.
     verdict, named, alternatives, remainder
         What diagnose said.
     gain
@@ -53,6 +55,7 @@ class Outcome:
     strength: float = 0.0
     weakest: float = 0.0
     rms: float = 0.0
+    told: float | None = None
     verdict: str = ""
     named: list[str] = field(default_factory=list)
     alternatives: list[str] = field(default_factory=list)

@@ -22,8 +22,8 @@ from scipy.stats import norm
 
 from benchmarks.campaign_bench import SMALL_REFERENCE_S, MotorBench
 from benchmarks.campaign_runs import Excited, Motor
-from benchmarks.campaign_sizes import square_of
 from benchmarks.campaign_tables import share
+from benchmarks.told_test import LENGTH, told_length
 from hil_sim.defects import CATALOGUE
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.pipeline import own_effects, searched
@@ -41,7 +41,6 @@ MECHANISMS = (
     "lossy_ceramic",
 )
 MULTIPLES = (1.0, 1.5, 2.5, 5.0)
-_LENGTH = float(norm.isf(0.025) + norm.isf(0.1))
 _GOAL = 1.5
 _LARGE, _ROUNDS = 10.0, 4
 
@@ -61,8 +60,7 @@ class Power:
         self._bench, self._excited = bench, excited
         self._record = read_run(bench.measured(excited, 0))
         model = read_model(bench.model)
-        found = searched(cut_runs([self._record], model, own_effects(model))[0], model)
-        self._problem, self._spread = found.problem, found.spread
+        self._found = searched(cut_runs([self._record], model, own_effects(model))[0], model)
 
     def told_size(self, mechanism: str) -> float:
         """Return the size at which the test that is told the form has a power of 90 %."""
@@ -70,14 +68,10 @@ class Power:
         # grow with their size alike.
         size = CATALOGUE[mechanism].typical
         for _ in range(_ROUNDS):
-            size *= _LARGE * _LENGTH / self._length(mechanism, _LARGE * size)
+            large = (CATALOGUE[mechanism](_LARGE * size),)
+            effects_rad_s = self._bench.effects.effects_rad_s(self._excited, large)
+            size *= _LARGE * LENGTH / told_length(effects_rad_s, self._record, self._found)
         return size
-
-    def _length(self, mechanism: str, size: float) -> float:
-        effects = self._bench.effects_rad_s(self._excited, (CATALOGUE[mechanism](size),))
-        rows = [np.searchsorted(self._record.t_s, s.context.t_s) for s in self._problem.stretches]
-        seen = [self._problem.carried([effect[k] for k in rows]) for effect in effects]
-        return float(np.sqrt(square_of(np.stack(seen)))) / self._spread
 
     def named(self, mechanism: str, size: float, repeats: int) -> int:
         """Return in how many runs the cause of the mechanism comes out first."""

@@ -1,6 +1,7 @@
 """Which causes to name: the library weighed against the whitened residual."""
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -95,7 +96,9 @@ def rank(
             # Whatever explains about as much goes first.
             score -= max(_MISFIT, telling_deviance(statistic))
         found.append(Ranked(effect, fit, statistic, p_value, score))
-    return sorted(found, key=lambda r: -r.score)
+    # A cause is as likely as another beforehand, in however many forms it is looked for.
+    forms = Counter(e.name for e in effects)
+    return sorted(found, key=lambda r: 2.0 * math.log(forms[r.effect.name]) - r.score)
 
 
 def _price(effect: Effect, each: float) -> float:

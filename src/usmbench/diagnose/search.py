@@ -14,7 +14,7 @@ from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.refining import refine_widely
 from usmbench.diagnose.robust import huber_weights
-from usmbench.diagnose.spikes import isolated, spiked, steady
+from usmbench.diagnose.spikes import isolated, off_steps, spiked, steady
 from usmbench.diagnose.stepwise import name_causes, noise_spread
 from usmbench.diagnose.stretches import Mask, Stretch
 from usmbench.diagnose.views import omnibus
@@ -56,7 +56,10 @@ def search(
     if known.noise is None:
         noise = estimate_noise(stretches, left, masks)
     # What fits a few windows that stand alone makes others do so.
-    fars = [spiked(stretches, r, noise, near_steps=True) for r in (problem.residual_rad_s, left)]
+    fars = [
+        off_steps(stretches, r, spiked(stretches, r, noise, near_steps=True))
+        for r in (problem.residual_rad_s, left)
+    ]
     masks = _without(stretches, min(fars, key=lambda far: sum(map(np.count_nonzero, far))))
     problem = problem.weighed(noise, masks)
     problem = problem.weighed(noise, masks, huber_weights(problem, left))

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
+from scipy.ndimage import median_filter
 
 from usmbench.diagnose.noise import LAGS, Noise, step_kind
 from usmbench.diagnose.stretches import Mask, Stretch
@@ -16,6 +17,7 @@ _GENTLE = 0.1  # the same, a window: a command that glides
 _SETTLING = 2  # windows until the noise says how sure the speed of a rotor is that turns on
 _PARTS = 8  # of the speeds, from slow to fast
 _MOST_ALONE, _MOST_IN_PART = 0.1, 0.25  # more is no exception
+_BESIDE, _AS_OTHERS = 11, 0.5  # windows; of what a window is off by
 PLAIN = 7.0  # so far that only a miscount remains
 FAR = 6.0  # standard deviations: once in 5·10⁸ windows of normal noise
 
@@ -95,6 +97,56 @@ def isolated(alone: Mask, speed_rad_s: Array) -> bool:
         return False
     parts = np.array_split(alone[np.argsort(np.abs(speed_rad_s), kind="stable")], _PARTS)
     return max(float(np.mean(part)) for part in parts if part.size) <= _MOST_IN_PART
+
+
+def off_steps(
+    stretches: Sequence[Stretch], residuals: Sequence[Array], alone: Sequence[Mask]
+) -> list[Mask]:
+    """Leave out the windows after steps where most are off as those after like steps are.
+
+    A delay in a staircase leaves windows that stand alone, and they are no exceptions.
+
+    Parameters
+    ----------
+    stretches
+        The stretches.
+    residuals
+        Residual of each, in rad/s, shape (N,).
+    alone
+        The windows of each that stand alone, shape (N,).
+    """
+    after = [s.lag < LAGS for s in stretches]
+    off, far, lag, step = (
+        np.concatenate([column[a] for column, a in zip(columns, after, strict=True)])
+        for columns in (
+            residuals,
+            alone,
+            [s.lag for s in stretches],
+            [s.step_rad_s for s in stretches],
+        )
+    )
+    if not hang_together(off, far, np.lexsort((step, lag))):
+        return list(alone)
+    return [mask & ~a for mask, a in zip(alone, after, strict=True)]
+
+
+def hang_together(off_rad_s: Array, alone: Mask, order: NDArray[np.intp]) -> bool:
+    """Return whether most windows that stand alone are off as those beside them: no chance.
+
+    Parameters
+    ----------
+    off_rad_s
+        By what each window is off, shape (N,).
+    alone
+        Which windows stand alone, shape (N,).
+    order
+        The windows in an order that puts like ones beside each other, shape (N,).
+    """
+    off, far = off_rad_s[order], alone[order]
+    if not far.any():
+        return False
+    beside = median_filter(off, _BESIDE)
+    return bool(np.mean(beside[far] / off[far] > _AS_OTHERS) > 0.5)
 
 
 def _alone(residual: Array, least: Array) -> Mask:

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter
 from scipy.stats import poisson
 
 from usmbench.diagnose.chance import chancy_of, struck_by
@@ -13,7 +12,14 @@ from usmbench.diagnose.form import OFF
 from usmbench.diagnose.naming import SIGNIFICANT, TELLING
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.result import Estimate, NamedCause
-from usmbench.diagnose.spikes import PLAIN, isolated, spiked, steady
+from usmbench.diagnose.spikes import (
+    PLAIN,
+    hang_together,
+    isolated,
+    off_steps,
+    spiked,
+    steady,
+)
 from usmbench.diagnose.stretches import Mask
 from usmbench.model.effects.lone_windows import LoneWindows, SporadicEffect, Weighed
 from usmbench.model.effects.registry import library
@@ -24,7 +30,6 @@ Array = NDArray[np.float64]
 _FEWEST = 3  # far out without a neighbour: fewer may be knocks
 _AS_USUAL = 2.0  # times the rate of the identified runs: their plans differ
 _OF_COUNT = 0.25  # a counter is off by whole ones
-_AT_PHASE, _AS_OTHERS = 11, 0.5  # windows; of what a window is off by
 _OF_EFFECT = 3.0 * OFF  # what its form may be off by is no count
 
 
@@ -79,7 +84,10 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
     if count < max(_FEWEST, usual) or p_value > SIGNIFICANT:
         return None
     phase_deg = np.concatenate([s.context.phase_deg for s in problem.stretches])[rows]
-    if not isolated(windows.alone, windows.speed_rad_s) or _hang_on_phase(windows, phase_deg):
+    by_phase = np.argsort(phase_deg, kind="stable")
+    if not isolated(windows.alone, windows.speed_rad_s) or hang_together(
+        windows.deviation_rad_s, windows.alone, by_phase
+    ):
         return None
     kinds = [effect for effect in library() if isinstance(effect, SporadicEffect)]
     weighed = [(effect, effect.weigh(windows)) for effect in kinds]
@@ -103,19 +111,12 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
     return Sporadic(Applied(effect, {e.name: e.value for e in estimates}), named, deviance)
 
 
-def _hang_on_phase(windows: LoneWindows, phase_deg: Array) -> bool:
-    """Whether most windows that stand alone are off as others at their phase are: no chance."""
-    order = np.argsort(phase_deg, kind="stable")
-    off, alone = windows.deviation_rad_s[order], windows.alone[order]
-    beside = median_filter(off, _AT_PHASE)
-    return bool(np.mean(beside[alone] / off[alone] > _AS_OTHERS) > 0.5)
-
-
 def _alone(
     problem: Problem, left: Sequence[Array], effects: Sequence[Applied], spread: float
 ) -> list[Mask]:
     """Windows that stand alone, by more than what is no count, or than an effect may be off by."""
     far = spiked(problem.stretches, left, problem.noise, near_steps=True, times=PLAIN * spread)
+    far = off_steps(problem.stretches, left, far)
     least_rad_s = [_OF_COUNT * (s.context.count_rad_s or 0.0) for s in problem.stretches]
     changes = problem.change_rad_s(effects)
     parts = zip(far, left, least_rad_s, changes, strict=True)

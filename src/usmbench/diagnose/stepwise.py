@@ -113,9 +113,14 @@ def _first_worth(
 
 
 def _unusual(problem: Problem, ranked: list[Ranked]) -> list[Ranked]:
-    """Leave out what healthy runs show anyhow, unless it is far beyond what a day may do."""
+    """Leave out what healthy runs show anyhow, unless it is far beyond what a day may do.
+
+    And what is less likely than that: it is the same seen through another cause.
+    """
     habits = {habit["name"] for habit in problem.known.habits}
-    return [r for r in ranked if r.effect.name not in habits or r.p_value < _UNUSUAL]
+    usual = [r for r in ranked if r.effect.name in habits and r.p_value >= _UNUSUAL]
+    likeliest = max((r.score for r in usual), default=-np.inf)
+    return [r for r in ranked if r not in usual and r.score > likeliest]
 
 
 def _with_the_rest(problem: Problem, effects: Sequence[Effect], found: Named) -> Named:

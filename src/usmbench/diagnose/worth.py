@@ -1,12 +1,15 @@
 """Whether what a further cause explains is worth a name."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.fitting import Fit
+from usmbench.diagnose.form import OFF
 from usmbench.diagnose.problem import Problem
+from usmbench.diagnose.refining import refine
 from usmbench.model.extended import Applied
 
 Array = NDArray[np.float64]
@@ -14,6 +17,9 @@ Array = NDArray[np.float64]
 # What a further cause has to bring in deviance though the form of those before it is in doubt: what
 # patches bring, see "two causes" in benchmarks/naming_campaign.py, and a share of the first.
 _SECOND_LEAST, _SECOND_SHARE = 40.0, 3e-4
+# Of what it brings; a cause that keeps less looks like a misfit of those before it, and has to
+# bring more than a form that is off by as much as forms are.
+_ITSELF, _MISFIT_SHARE = 0.6, OFF**2
 _ONE_FOLD = 2.0 / 3.0  # of what it takes from unseen blocks
 # That a cause has to explain better: rows, or places in the runs, where it acts at starts only.
 _FEWEST_ROWS, _FEWEST_PLACES = 8.0, 2.5
@@ -43,13 +49,21 @@ def worth_a_name(
     # One block alone may be an accident.
     if min(taken, taken - most) <= 0.0:
         return False
-    if before.effects:
-        fits = before.effects, longer.effects
-        kept = _gained(problem.doubting(before.effects), *fits) / spread**2
-        if kept < max(_SECOND_LEAST, _SECOND_SHARE * first) or most > _ONE_FOLD * taken:
-            return False
+    if before.effects and most > _ONE_FOLD * taken:
+        return False
+    if before.effects and not _beyond_form(problem, longer, first, spread):
+        return False
     gained = _by_row(problem, before, longer)
     return _effective(gained) >= _FEWEST_ROWS or _places(problem, gained) >= _FEWEST_PLACES
+
+
+def _beyond_form(problem: Problem, longer: Fit, first: float, spread: float) -> bool:
+    """Whether the last of the effects brings more than the others' form may be off by."""
+    others = refine(problem, replace(longer, effects=longer.effects[:-1]))
+    fits = others.effects, longer.effects
+    brings, kept = (_gained(p, *fits) for p in (problem, problem.doubting(others.effects)))
+    share = _SECOND_SHARE if kept > _ITSELF * brings else _MISFIT_SHARE
+    return kept / spread**2 >= max(_SECOND_LEAST, share * first)
 
 
 def _gained(problem: Problem, before: Sequence[Applied], after: Sequence[Applied]) -> float:

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.noise import KINDS, LAGS, Noise
-from usmbench.diagnose.spikes import spiked
+from usmbench.diagnose.spikes import off_steps, spiked
 from usmbench.diagnose.stretches import Stretch
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
@@ -60,3 +60,16 @@ def test_false_counts_are_spikes_also_beside_a_reversal(
     residual_rad_s = 0.02 * reversing.settled_rad_s
     residual_rad_s[list(windows)] += 1.0
     assert _alone(reversing, residual_rad_s) == list(windows)
+
+
+@pytest.mark.parametrize("by_chance", [True, False])
+def test_what_every_step_leaves_is_no_exception(reversing: Stretch, by_chance: bool) -> None:
+    residual_rad_s = np.random.default_rng(2).normal(0.0, NOISE_RAD_S, N)
+    struck = [80, 81, 163, 247] if by_chance else np.arange(20, N, 20)
+    residual_rad_s[struck] -= 20.0 * NOISE_RAD_S * np.sign(reversing.step_rad_s[struck])
+    residual_rad_s[250] += 20.0 * NOISE_RAD_S  # far from every step
+    (far,) = spiked([reversing], [residual_rad_s], NOISE, near_steps=True)
+    assert far[struck].all()
+    (alone,) = off_steps([reversing], [residual_rad_s], [far])
+    assert alone[struck].all() == by_chance
+    assert alone[250]

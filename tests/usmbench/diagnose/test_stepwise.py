@@ -1,5 +1,6 @@
 """Which causes are named, one after the other."""
 
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -27,9 +28,16 @@ def _stuck(stretches: list[Stretch], model: HammersteinModel, *habits: Applied) 
     white = [0.01 * noise.standard_normal(s.context.n) for s in stretches]
     known = replace(knowledge_of(model), habits=tuple(h.to_mapping() for h in habits))
     problem = Problem(stretches, known, estimate_noise(stretches, white, uses), uses)
-    change = problem.change_rad_s([LOST])
-    problem.residual_rad_s = [w + c for w, c in zip(white, change, strict=True)]
-    return problem.with_masks(uses)
+    problem.residual_rad_s = white
+    return _with_residual_of(problem, LOST)
+
+
+def _with_residual_of(problem: Problem, applied: Applied) -> Problem:
+    """Return a problem with the change of an effect in its residual, too."""
+    both = copy(problem)
+    change = problem.change_rad_s([applied])
+    both.residual_rad_s = [r + c for r, c in zip(problem.residual_rad_s, change, strict=True)]
+    return both.with_masks(problem.masks)
 
 
 @pytest.mark.parametrize(
@@ -49,6 +57,22 @@ def test_what_healthy_runs_show_is_named_only_far_beyond_what_a_day_does(
     ranked = [Ranked(LOST.effect, fit, fit.statistic, p_value, fit.statistic)]
     found = name_causes(problem, omnibus(problem)["all"], ranked, [LOST.effect], 1.0)
     assert _names(found) == ["stick_slip"] * named
+
+
+@pytest.mark.parametrize(("habitual", "named"), [(True, []), (False, ["transport_delay"])])
+def test_what_a_habit_explains_better_is_no_news(
+    stretches: list[Stretch], model: HammersteinModel, habitual: bool, named: list[str]
+) -> None:
+    delay = Applied(find_effect("transport_delay", ""), {"delay_s": 0.001})
+    problem = _with_residual_of(_stuck(stretches, model, *([LOST] if habitual else [])), delay)
+    left = problem.left([delay])
+    fits = [Fit((a,), problem.deviance - float(left @ left), 0.0) for a in (LOST, delay)]
+    scored = zip(fits, (1e-6, 1e-7), (30.0, 20.0), strict=True)
+    ranked = [Ranked(f.effects[0].effect, f, f.statistic, p, score) for f, p, score in scored]
+    effects, basis = [delay.effect], omnibus(problem)["all"]
+    if not habitual:
+        ranked = ranked[1:]
+    assert _names(name_causes(problem, basis, ranked, effects, 1.0)) == named
 
 
 def test_of_causes_that_explain_as_much_one_that_holds_on_unseen_rows_is_named(

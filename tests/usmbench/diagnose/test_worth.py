@@ -51,3 +51,15 @@ def test_a_first_cause_may_hold_unevenly_but_not_in_one_place_alone(
 ) -> None:
     fit = _fit(problem, LATE)
     assert worth_a_name(problem, NOTHING, fit, np.array(unseen), 0.0, 1.0) == worth
+
+
+@pytest.mark.parametrize(("kept", "worth"), [(0.9, True), (0.4, False)])
+def test_a_cause_that_looks_like_a_misfit_of_the_first_is_asked_for_more(
+    problem: Problem, monkeypatch: pytest.MonkeyPatch, kept: float, worth: bool
+) -> None:
+    before, longer = _fit(problem, LATE), _fit(problem, LATE, WARMS)
+    brings = longer.statistic - before.statistic
+    found = iter([brings, kept * brings])
+    monkeypatch.setattr("usmbench.diagnose.worth._gained", lambda *_: next(found))
+    first = 200.0 * brings  # of which a form that is a tenth off leaves twice as much
+    assert worth_a_name(problem, before, longer, np.array(EVERYWHERE), first, 1.0) == worth
