@@ -45,10 +45,22 @@ def test_scatter_excuses_no_name_that_gains_nothing_unseen(
     lost = applied("missed_counts", "of all", share_lost=0.05, above_rad_s=9.0)
     fit = Fit((lost,), 900.0, 0.0)
     named = [[Ranked(lost.effect, fit, 900.0, 0.0, 900.0)]]
-    before, after = (Whole(excess, 0.0, problem.n_rows) for excess in (1000.0, 450.0))
+    before, after = (Whole(excess, 0.0, problem.n_rows) for excess in (1000.0, 150.0))
     scored = Gain(0.1, 0.1, 0.05, gain, gain, gain)
     monkeypatch.setattr("usmbench.diagnose.found.leaves_scatter", lambda *_: True)
     monkeypatch.setattr("usmbench.diagnose.found.held_out_gain", lambda *_: scored)
+    assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), None) == verdict
+
+
+@pytest.mark.parametrize(("share", "verdict"), [(0.05, "explained"), (0.15, "unexplained")])
+def test_a_name_beside_something_smooth_that_has_none_is_a_patch(
+    share: float, verdict: str
+) -> None:
+    problem = _judged(1.0)
+    weight = applied("load_torque", "weight", one_sided_rad_s=0.1)
+    fit = Fit((weight,), 9e3, 0.0)
+    named = [[Ranked(weight.effect, fit, 9e3, 0.0, 9e3)]]
+    before, after = Whole(1e4, 0.0, problem.n_rows), Whole(share * 2000.0, 0.0, problem.n_rows)
     assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), None) == verdict
 
 
