@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel
+from usmbench.runs.check_record import check_numbers
 from usmbench.runs.record import Record
 
 _RATE_TOLERANCE = 1e-3
@@ -28,11 +29,7 @@ def check_run(record: Record, model: HammersteinModel) -> None:
     usmbench.errors.InputError
         The run is one of these, or too short.
     """
-    for column in ("t_s", "phase_deg", "speed_rad_s"):
-        values = getattr(record, column)
-        if not np.all(np.isfinite(values)):
-            row = int(np.argmin(np.isfinite(values)))
-            raise InputError(f"{record.name}: {column} of row {row} is no number; mend the row")
+    check_numbers(record)
     if record.t_s.size < _FEWEST_WINDOWS:
         raise InputError(
             f"{record.name}: {record.t_s.size} windows say nothing about causes; measure at least "

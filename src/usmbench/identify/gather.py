@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from usmbench.errors import InputError
 from usmbench.identify.data import Dataset, FittedRun, Point, Segment, describe
+from usmbench.runs.check_record import check_numbers
 from usmbench.runs.record import Record
 
 Array = NDArray[np.float64]
@@ -40,7 +41,7 @@ def from_windows(records: Sequence[Record]) -> Dataset:
     runs: list[FittedRun] = []
     warnings: list[str] = []
     for number, record in enumerate(records):
-        _check_numbers(record)
+        check_numbers(record)
         _check_window(record, records[0].name, window_s)
         jumps = np.flatnonzero(np.diff(record.t_s) > _GAP * window_s) + 1
         if jumps.size:
@@ -72,7 +73,7 @@ def from_pairs(records: Sequence[Record]) -> Dataset:
     runs: list[FittedRun] = []
     warnings: list[str] = []
     for number, record in enumerate(records):
-        _check_numbers(record)
+        check_numbers(record)
         phase_deg, speed_rad_s, keys = _pairs_of(record, warnings)
         for key in dict.fromkeys(keys):
             rows = np.array([row for row, other in enumerate(keys) if other == key])
@@ -208,18 +209,4 @@ def _check_window(record: Record, first_name: str, window_s: float) -> None:
         raise InputError(
             f"{record.name} has windows of {1e3 * own_s:g} ms and {first_name} of "
             f"{1e3 * window_s:g} ms; identify runs of one window length at a time"
-        )
-
-
-def _check_numbers(record: Record) -> None:
-    """Refuse what is no number, naming the row."""
-    if record.t_s.size == 0:
-        raise InputError(f"{record.name}: there is no row")
-    for name in ("t_s", "phase_deg", "speed_rad_s", "frequency_hz", "torque_nm"):
-        column = getattr(record, name)
-        if column is None or np.all(np.isfinite(column)):
-            continue
-        row = int(np.argmin(np.isfinite(column)))
-        raise InputError(
-            f"{record.name}: {name} of row {row} is {column[row]}; remove the row or mend it"
         )

@@ -231,7 +231,7 @@ class TestBadInput:
     def test_a_speed_that_is_no_number(self, model: HammersteinModel) -> None:
         record = measured(3, n=500)
         record.speed_rad_s[17] = np.nan
-        with pytest.raises(InputError, match="row 17 is no number"):
+        with pytest.raises(InputError, match="row 17 is nan"):
             diagnose([record], model)
 
     def test_a_run_outside_the_model(self, model: HammersteinModel) -> None:

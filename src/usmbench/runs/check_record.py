@@ -1,0 +1,33 @@
+"""Rows that no command can take, refused in one way."""
+
+import numpy as np
+
+from usmbench.errors import InputError
+from usmbench.runs.record import Record
+
+_COLUMNS = ("t_s", "phase_deg", "speed_rad_s", "frequency_hz", "torque_nm")
+
+
+def check_numbers(record: Record) -> None:
+    """Refuse a run without rows, and what is no number in what was commanded or measured.
+
+    Parameters
+    ----------
+    record
+        The run.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        The run is one of these; the message names the row.
+    """
+    if record.t_s.size == 0:
+        raise InputError(f"{record.name}: there is no row")
+    for name in _COLUMNS:
+        column = getattr(record, name)
+        if column is None or np.all(np.isfinite(column)):
+            continue
+        row = int(np.argmin(np.isfinite(column)))
+        raise InputError(
+            f"{record.name}: {name} of row {row} is {column[row]}; remove the row or mend it"
+        )

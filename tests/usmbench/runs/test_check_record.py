@@ -1,0 +1,32 @@
+"""What no command can take is refused by the row."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from usmbench.errors import InputError
+from usmbench.runs.check_record import check_numbers
+from usmbench.runs.record import Record
+
+T_S = 0.01 * np.arange(1.0, 6.0)
+RECORD = Record("a run", T_S, np.zeros(5), np.ones(5), np.full(5, 0.01))
+
+
+def test_numbers_are_taken() -> None:
+    check_numbers(RECORD)
+    check_numbers(replace(RECORD, torque_nm=np.zeros(5)))
+
+
+@pytest.mark.parametrize("column", ["t_s", "phase_deg", "speed_rad_s", "frequency_hz", "torque_nm"])
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_what_is_no_number_is_refused_by_its_row(column: str, value: float) -> None:
+    values = np.r_[1.0, 2.0, value, 4.0, 5.0]
+    with pytest.raises(InputError, match=rf"^a run: {column} of row 2 is {value}; remove the row"):
+        check_numbers(replace(RECORD, **{column: values}))
+
+
+def test_a_run_without_a_row_is_refused() -> None:
+    none = np.empty(0)
+    with pytest.raises(InputError, match="there is no row"):
+        check_numbers(Record("a run", none, none, none, none))
