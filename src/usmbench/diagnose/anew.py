@@ -22,10 +22,11 @@ from usmbench.diagnose.anew_fits import (
     fits_beneath,
     judge,
 )
+from usmbench.diagnose.evidence import Estimate, NamedCause
 from usmbench.diagnose.gain import Gain, gain_of_blocks
 from usmbench.diagnose.naming import SIGNIFICANT
 from usmbench.diagnose.remainder import describe
-from usmbench.diagnose.result import Diagnosis, Estimate, NamedCause, Trace
+from usmbench.diagnose.result import Diagnosis, Trace
 from usmbench.diagnose.stretches import Stretch, first_windows
 from usmbench.diagnose.through_counter import Estimated
 from usmbench.identify.knots import dead_zone_deg

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.stats import chi2, norm
 
+from usmbench.diagnose.evidence import Detectable
 from usmbench.diagnose.naming import CLEAR
 from usmbench.diagnose.problem import Problem
-from usmbench.diagnose.result import Detectable
 from usmbench.model.effects.base import Effect, Parameter
 from usmbench.model.extended import Applied
 

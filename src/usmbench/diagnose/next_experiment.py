@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from usmbench.diagnose.cut_runs import cut_runs
+from usmbench.diagnose.evidence import Candidate, Estimate, NamedCause
 from usmbench.diagnose.experiment import Experiment, planned_record
 from usmbench.diagnose.experiment_menu import menu
 from usmbench.diagnose.experiment_range import range_of
@@ -28,7 +29,7 @@ from usmbench.diagnose.noise import Noise
 from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.refining import refine
-from usmbench.diagnose.result import Candidate, Diagnosis, Estimate, NamedCause
+from usmbench.diagnose.result import Diagnosis
 from usmbench.diagnose.stretches import first_windows
 from usmbench.model.effects.registry import find_effect
 from usmbench.model.extended import Applied, applied_effects

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from usmbench.diagnose.anew import identified_anew
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.detectable import smallest_sizes
+from usmbench.diagnose.evidence import Candidate, Estimate, NamedCause
 from usmbench.diagnose.fitting import NOTHING, Fit
 from usmbench.diagnose.found import Found, verdict_on
 from usmbench.diagnose.gain import Gain, held_out_gain
@@ -17,7 +18,7 @@ from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.naming import Ranked, alternatives
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.remainder import describe
-from usmbench.diagnose.result import Candidate, Diagnosis, Estimate, NamedCause, Trace, Verdict
+from usmbench.diagnose.result import Diagnosis, Trace, Verdict
 from usmbench.diagnose.search import search
 from usmbench.diagnose.sporadic import Sporadic, find_sporadic
 from usmbench.diagnose.stretches import Stretch

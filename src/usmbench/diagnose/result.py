@@ -6,6 +6,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from usmbench.diagnose.evidence import Candidate, Detectable, NamedCause
 from usmbench.model.hammerstein import HammersteinModel
 
 Array = NDArray[np.float64]
@@ -44,132 +45,6 @@ class View:
     n_windows: Array
     excess_before: float
     excess_after: float
-
-
-@dataclass(frozen=True, slots=True)
-class Estimate:
-    """One parameter of a cause with its 95 % interval.
-
-    Parameters
-    ----------
-    name
-        Its name, unit included.
-    value, low, high
-        Estimate and interval.
-    unit
-        Unit.
-    """
-
-    name: str
-    value: float
-    low: float
-    high: float
-    unit: str
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the mapping that the contract asks for."""
-        return {"value": self.value, "low": self.low, "high": self.high, "unit": self.unit}
-
-
-@dataclass(frozen=True, slots=True)
-class NamedCause:
-    """A cause that the diagnosis stands for.
-
-    Parameters
-    ----------
-    name
-        Name of the cause.
-    form
-        Which of the cause's forms fitted.
-    meaning
-        What it is physically, one sentence.
-    mend
-        What to look at on the bench, one sentence.
-    alternatives
-        Causes that these data cannot tell from it.
-    parameters
-        Its parameters.
-    p_value
-        Probability of evidence as strong for any cause of the library where nothing is wrong.
-    gain
-        Share of the held-out mean square above the noise floor that this cause removes.
-    """
-
-    name: str
-    form: str
-    meaning: str
-    mend: str
-    alternatives: tuple[str, ...]
-    parameters: tuple[Estimate, ...]
-    p_value: float
-    gain: float
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the mapping that the contract asks for."""
-        return {
-            "name": self.name,
-            "form": self.form,
-            "alternatives": list(self.alternatives),
-            "parameters": {p.name: p.to_json() for p in self.parameters},
-            "p_value": self.p_value,
-            "gain": self.gain,
-            "meaning": self.meaning,
-            "mend": self.mend,
-        }
-
-
-@dataclass(frozen=True, slots=True)
-class Candidate:
-    """The evidence for one cause of the library, alone.
-
-    Parameters
-    ----------
-    name, form
-        The cause, and its best form.
-    meaning
-        What it is physically, one sentence.
-    statistic
-        Drop of the deviance (whitened sum of squares) that it brings.
-    n_parameters
-        Parameters it takes.
-    p_value
-        Family-wise probability of such a drop where nothing is wrong.
-    explained
-        Share of the structure found in the residual that it removes, 0 … 1.
-    parameters
-        Its estimates, intervals left open where it was not refined.
-    """
-
-    name: str
-    form: str
-    meaning: str
-    statistic: float
-    n_parameters: int
-    p_value: float
-    explained: float
-    parameters: tuple[Estimate, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Detectable:
-    """The smallest size of a cause that these runs would have shown at 90 % power.
-
-    Parameters
-    ----------
-    cause
-        Name of the cause.
-    parameter
-        The parameter that states its size.
-    value
-        The size; None where no size within the bounds would show.
-    unit
-        Unit.
-    """
-
-    cause: str
-    parameter: str
-    value: float | None
-    unit: str
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from scipy.stats import poisson
 
 from usmbench.diagnose.chance import chancy_of, struck_by
+from usmbench.diagnose.evidence import Estimate, NamedCause
 from usmbench.diagnose.form import OFF
 from usmbench.diagnose.naming import SIGNIFICANT, TELLING
 from usmbench.diagnose.problem import Problem
-from usmbench.diagnose.result import Estimate, NamedCause
 from usmbench.diagnose.spikes import (
     PLAIN,
     hang_together,

@@ -6,7 +6,8 @@ from typing import Any
 import yaml
 
 from usmbench import __version__
-from usmbench.diagnose.result import Candidate, Diagnosis, NamedCause
+from usmbench.diagnose.evidence import Candidate, NamedCause
+from usmbench.diagnose.result import Diagnosis
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.report.diagnosis_text import (
     escaped,

@@ -3,7 +3,8 @@
 import html
 import math
 
-from usmbench.diagnose.result import Diagnosis, Estimate, NamedCause
+from usmbench.diagnose.evidence import Estimate, NamedCause
+from usmbench.diagnose.result import Diagnosis
 
 HEADLINES = {
     "no_discrepancy": "Nothing wrong was found",

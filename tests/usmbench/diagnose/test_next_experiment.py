@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from usmbench.diagnose.evidence import Candidate, Estimate, NamedCause
 from usmbench.diagnose.next_experiment import propose, question_of
-from usmbench.diagnose.result import Candidate, Diagnosis, Estimate, NamedCause
+from usmbench.diagnose.result import Diagnosis
 from usmbench.model.hammerstein import HammersteinModel, LinearPart, OperatingPoint, StaticCurve
 from usmbench.model.simulate import simulate
 from usmbench.runs.record import Record

@@ -6,16 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from usmbench.diagnose.result import (
-    Candidate,
-    Detectable,
-    Diagnosis,
-    Estimate,
-    NamedCause,
-    Remainder,
-    Trace,
-    View,
-)
+from usmbench.diagnose.evidence import Candidate, Detectable, Estimate, NamedCause
+from usmbench.diagnose.result import Diagnosis, Remainder, Trace, View
 from usmbench.model.hammerstein import (
     HammersteinModel,
     LinearPart,

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from usmbench.diagnose.result import Estimate
+from usmbench.diagnose.evidence import Estimate
 from usmbench.report.diagnosis_text import (
     escaped,
     number,
