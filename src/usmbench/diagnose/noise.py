@@ -26,6 +26,8 @@ _REVERSAL = 3  # of the kinds
 _CORNER_DEG = 1.0
 _DISTRUST = 0.3
 _STANDING = 0.02  # of the highest speed
+# Of a step, and times the largest that was seen: from small ones nobody knows when it takes effect.
+_UNSEEN, _FARTHER, _AT_ONCE = 5e-3, 1.5, (0, 1)  # the last in windows after it
 _BEYOND_DEG = 0.5
 STARTS = (0.0025, 0.01, 0.0225, 0.045)  # of the highest speed, reached half a degree farther out
 
@@ -78,6 +80,8 @@ class Noise:
             nodes, values = np.r_[0.0, sizes], np.r_[least, spreads]
             beyond = np.maximum(size[rows] / max(nodes[-1], 1e-300), 1.0)
             spread[rows] = np.interp(size[rows], nodes, values) * beyond
+            if k in _AT_ONCE:
+                spread[rows] += _UNSEEN * np.maximum(size[rows] - _FARTHER * nodes[-1], 0.0)
         at_edge = np.interp(
             farther_out(stretch), (0.0, *STARTS, 2.0 * STARTS[-1]), (0.0, *self.start_rad_s, 0.0)
         )

@@ -62,6 +62,17 @@ def test_what_steps_add_is_found_by_their_size(stretch: Stretch, kind: int, grow
     assert np.median(noise.level_rad_s(stretch)[calm]) == pytest.approx(NOISE_RAD_S, rel=0.1)
 
 
+def test_nobody_knows_when_a_step_takes_effect_that_is_larger_than_any_seen() -> None:
+    rng = np.random.default_rng(6)
+    small = _stretch(np.clip(np.repeat(np.cumsum(rng.choice([-4.0, 4.0], 2000)), 10), 20.0, 80.0))
+    white = NOISE_RAD_S * rng.standard_normal(small.context.n)
+    noise = estimate_noise([small], [white], [small.use])
+    levels = noise.level_rad_s(_stretch(np.repeat([30.0, 34.0, 84.0, 84.0], 20)))
+    assert levels[[20, 21, 22]] == pytest.approx(3 * [NOISE_RAD_S], rel=0.3)
+    assert np.all(levels[[40, 41]] > 2.0 * NOISE_RAD_S)
+    assert levels[42] == pytest.approx(NOISE_RAD_S, rel=0.3)
+
+
 def test_a_reversal_between_small_speeds_is_as_uncertain_as_between_larger_ones(
     stretch: Stretch,
 ) -> None:

@@ -24,7 +24,7 @@ NOISE = Noise(
     np.full(2, NOISE_RAD_S),
     np.empty(0),
     1.0,
-    np.ones((LAGS, KINDS, 1)),
+    np.full((LAGS, KINDS, 1), 20.0),
     np.zeros((LAGS, KINDS, 1)),
     np.zeros(4),
     np.zeros(LAGS),
