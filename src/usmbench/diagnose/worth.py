@@ -62,7 +62,9 @@ def _beyond_form(problem: Problem, longer: Fit, first: float, spread: float) -> 
     others = refine(problem, replace(longer, effects=longer.effects[:-1]))
     fits = others.effects, longer.effects
     brings, kept = (_gained(p, *fits) for p in (problem, problem.doubting(others.effects)))
-    share = _SECOND_SHARE if kept > _ITSELF * brings else _MISFIT_SHARE
+    # What is jagged is off where no smooth doubt covers it: at the phases that it leads to.
+    smooth = not any(applied.effect.jagged for applied in others.effects)
+    share = _SECOND_SHARE if smooth and kept > _ITSELF * brings else _MISFIT_SHARE
     return kept / spread**2 >= max(_SECOND_LEAST, share * first)
 
 

@@ -106,6 +106,19 @@ def test_false_counts_stand_out_soon_after_a_jump_by_a_good_part_of_a_count(
     assert _names(_counted(record, false), model) == causes
 
 
+@pytest.mark.parametrize(
+    ("offset_deg", "causes"),
+    [(0.1, ["count_glitches", "phase_offset"]), (2.0, ["phase_offset", "count_glitches"])],
+)
+def test_false_counts_come_first_where_they_bring_more(
+    model: HammersteinModel, offset_deg: float, causes: list[str]
+) -> None:
+    record = _dwelling(applied("phase_offset", "", offset_deg=offset_deg))
+    n, rng = record.t_s.size, np.random.default_rng(3)
+    false = 3.0 * rng.choice([-1.0, 1.0], n) * (rng.uniform(size=n) < 0.02)
+    assert _names(_counted(record, false), model) == causes
+
+
 def test_scatter_at_high_speed_that_is_no_loss_has_no_name(model: HammersteinModel) -> None:
     record = measured(13)
     shaken = 4.0 * np.random.default_rng(4).standard_normal(record.t_s.size) * _fast(record)

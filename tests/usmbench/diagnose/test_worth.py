@@ -28,9 +28,8 @@ def problem() -> Problem:
 
 
 def _fit(problem: Problem, *effects: Applied) -> Fit:
-    named = tuple(a for a in (LATE, WARMS) if a in effects)
-    left = problem.left(named)
-    return Fit(named, problem.deviance - float(left @ left), 0.0)
+    left = problem.left(effects)
+    return Fit(effects, problem.deviance - float(left @ left), 0.0)
 
 
 @pytest.mark.parametrize(
@@ -53,11 +52,18 @@ def test_a_first_cause_may_hold_unevenly_but_not_in_one_place_alone(
     assert worth_a_name(problem, NOTHING, fit, np.array(unseen), 0.0, 1.0) == worth
 
 
-@pytest.mark.parametrize(("kept", "worth"), [(0.95, True), (0.85, False)])
-def test_a_cause_that_looks_like_a_misfit_of_the_first_is_asked_for_more(
-    problem: Problem, monkeypatch: pytest.MonkeyPatch, kept: float, worth: bool
+GRID = applied("phase_quantisation", "rounded", step_deg=3.0)
+
+
+@pytest.mark.parametrize(
+    ("first_is", "kept", "worth"),
+    [(LATE, 0.95, True), (LATE, 0.85, False), (GRID, 0.95, False)],
+    ids=["another", "a misfit", "beside what is jagged"],
+)
+def test_a_cause_that_may_be_a_misfit_of_the_first_is_asked_for_more(
+    problem: Problem, monkeypatch: pytest.MonkeyPatch, first_is: Applied, kept: float, worth: bool
 ) -> None:
-    before, longer = _fit(problem, LATE), _fit(problem, LATE, WARMS)
+    before, longer = _fit(problem, first_is), _fit(problem, first_is, WARMS)
     brings = longer.statistic - before.statistic
     found = iter([brings, kept * brings])
     monkeypatch.setattr("usmbench.diagnose.worth._gained", lambda *_: next(found))
