@@ -44,7 +44,7 @@ def told_length(
 
 
 def told_power(length: float) -> float:
-    """Return in which share of runs the test finds an effect of a length.
+    """Return in which share of runs the test finds an effect of a length, its right way round.
 
     Parameters
     ----------

@@ -193,11 +193,16 @@ def test_the_tables_count(capsys: pytest.CaptureFixture[str]) -> None:
     nothing = {**row, "hidden": {**row["hidden"], "group": "nothing"}, "verdict": "unexplained"}  # type: ignore[dict-item]
     two = {**row, "hidden": {**row["hidden"], "group": "two"}, "weakest": 1.2}  # type: ignore[dict-item]
     slight = {**two, "weakest": 0.1, "judgement": "one of two"}
-    report([row, wrong, nothing, two, slight])
+    small = {**row, "strength": 0.3, "rms": 0.3, "told": 6.0, "gain": None, "intervals": {}}
+    hidden_deep = {**small, "told": 0.0, "judgement": "no_discrepancy"}
+    report([row, wrong, nothing, two, slight, small, hidden_deep])
     wrong_ones([row, wrong, nothing])
     said = capsys.readouterr().out
     assert "both of two named, each of size 1 and more         100.0 %" in said
-    assert "5 draws, 4 of them through" in said
+    assert "7 draws, 6 of them through" in said
+    assert "right first, size 0.2 to 0.5 x noise                50.0 %" in said
+    assert "right first, small, 1.5 x what a told test finds   100.0 %" in said
+    assert "a test told the form finds 51.2 % of 2 of 0.2 to 0.5 x" in said
     assert "right first, size 1 x noise and more                50.0 %" in said
     assert "false alarms, nothing hidden                       100.0 %" in said
     assert "95 % interval holds the true parameter             100.0 %" in said

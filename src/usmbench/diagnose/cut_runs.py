@@ -56,9 +56,10 @@ def cut_runs(
     stretches: list[Stretch] = []
     warnings: list[str] = []
     check_motors(records)
+    for record in records:
+        check_run(record, model)
     keep = min(1.0, _MOST_WINDOWS / sum(record.t_s.size for record in records))
     for run, record in enumerate(records):
-        check_run(record, model)
         angle_rad = middle_angle_rad(record)
         weights, outside = point_weights(
             model.points, record.t_s.size, record.frequency_hz, record.torque_nm

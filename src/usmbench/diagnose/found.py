@@ -22,7 +22,6 @@ _LEAST_EXCESS = 0.25
 _LEAST_GAIN = 0.01  # of the held-out mean square above the noise
 _MOST_LEFT = 0.4  # as a share; what verdict() calls partly explained ends there, too
 _GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by a tenth
-_SMOOTH = 0.1  # the same of what the views show: see "outside the library" in the campaign
 _TRIFLE = 0.01  # of what there was: what a form of an effect may be off by
 _SCATTER = 0.5  # of what is left: the rest is smooth
 
@@ -86,7 +85,7 @@ class Found:
         """
         trifle = _TRIFLE * max(self.before.excess, self.explained)
         scatter = _SCATTER * (self.beyond_noise - self.explained)
-        return self.after.excess > max(_SMOOTH * self.problem.n_rows, trifle, scatter)
+        return self.after.material and self.after.excess > max(trifle, scatter)
 
     @property
     def leaves_more(self) -> bool:

@@ -83,7 +83,8 @@ def question_of(diagnosis: Diagnosis) -> Question | None:
     """
     named = {cause.name for cause in diagnosis.causes}
     alone = {c.name: c for c in diagnosis.candidates if c.name not in named}
-    for cause in diagnosis.causes:
+    # What strikes single windows is not what an experiment asks for first.
+    for cause in sorted(diagnosis.causes, key=lambda c: _stated(c).effect.sporadic):
         others = [alone[name] for name in cause.alternatives if name in alone]
         if others:
             beside = [_stated(other) for other in diagnosis.causes if other is not cause]

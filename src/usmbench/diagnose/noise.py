@@ -26,8 +26,9 @@ _REVERSAL = 3  # of the kinds
 _CORNER_DEG = 1.0
 _DISTRUST = 0.3
 _STANDING = 0.02  # of the highest speed
-# Of a step, and times the largest that was seen: from small ones nobody knows when it takes effect.
-_UNSEEN, _FARTHER, _AT_ONCE = 5e-3, 1.5, (0, 1)  # the last in windows after it
+# From small steps nobody knows when a large one takes effect: a share of the step, 50 µs of 10 ms,
+# beyond so many times the largest quarter's mean, in these windows after it.
+_UNSEEN, _FARTHER, _AT_ONCE = 5e-3, 1.5, (0, 1)
 _BEYOND_DEG = 0.5
 STARTS = (0.0025, 0.01, 0.0225, 0.045)  # of the highest speed, reached half a degree farther out
 

@@ -92,7 +92,7 @@ def _by_size(size_rad_s: Array, error: Array, sigma: float) -> tuple[Array, Arra
     """Sizes of steps, and the residual's spread there beyond the noise's."""
     n_bins = min(size_rad_s.size // _FEWEST_OF_SIZE, _SIZES)
     if n_bins == 0:
-        return np.ones(_SIZES), np.zeros(_SIZES)
+        return np.zeros(_SIZES), np.zeros(_SIZES)
     sizes, spreads = [], []
     for rows in np.array_split(np.argsort(size_rad_s, kind="stable"), n_bins):
         square = error[rows] ** 2

@@ -124,7 +124,8 @@ def _report(
     gain = held_out_gain(problem, fit, sporadic=sporadic is not None)
     causes = [] if not named else _causes(found, named, fit, gain)
     if sporadic is not None:
-        strongest = sporadic.deviance > found.explained
+        first = named[0][0].statistic if named else 0.0
+        strongest = sporadic.deviance > first * found.spread**2
         causes.insert(0 if strongest else len(causes), sporadic.named)
     views = residual_views(problem, left, found.spread)
     remainder = None if says in ("no_discrepancy", "explained") else describe(views, found.spread)

@@ -19,7 +19,7 @@ from usmbench.diagnose.naming import rank
 from usmbench.diagnose.noise import Noise
 from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.problem import Problem
-from usmbench.diagnose.spikes import PLAIN, count_steady, spiked
+from usmbench.diagnose.spikes import PLAIN, count_steady, off_steps, spiked
 from usmbench.diagnose.stretches import Mask, Stretch
 from usmbench.diagnose.wander import (
     ANY,
@@ -130,6 +130,7 @@ def measure_knowledge(stretches: Sequence[Stretch], habits: Sequence[Applied] = 
         wander = measured_wander(widest, least, gram / unit[:, None, None] / unit, slope / unit)
         noise = estimate_noise(stretches, left, masks, fitted)
     far = spiked(stretches, left, noise, near_steps=True, times=PLAIN)
+    far = off_steps(stretches, left, far)
     n_spikes, n_steady = count_steady(stretches, far)
     used_s = max(n_steady, 1) * stretches[0].context.window_s
     entries = tuple(applied.to_mapping() for applied in habits)

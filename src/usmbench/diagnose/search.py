@@ -56,11 +56,11 @@ def search(
     if known.noise is None:
         noise = estimate_noise(stretches, left, masks)
     # What fits a few windows that stand alone makes others do so.
-    fars = [
-        off_steps(stretches, r, spiked(stretches, r, noise, near_steps=True))
-        for r in (problem.residual_rad_s, left)
+    tried = [
+        (r, spiked(stretches, r, noise, near_steps=True)) for r in (problem.residual_rad_s, left)
     ]
-    masks = _without(stretches, min(fars, key=lambda far: sum(map(np.count_nonzero, far))))
+    fewest = min(tried, key=lambda pair: sum(map(np.count_nonzero, pair[1])))
+    masks = _without(stretches, off_steps(stretches, *fewest))
     problem = problem.weighed(noise, masks)
     problem = problem.weighed(noise, masks, huber_weights(problem, left))
     basis = omnibus(problem)["all"]

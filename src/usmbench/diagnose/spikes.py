@@ -115,7 +115,7 @@ def off_steps(
     alone
         The windows of each that stand alone, shape (N,).
     """
-    after = [s.lag < LAGS for s in stretches]
+    after = [s.use & (s.lag < LAGS) for s in stretches]
     off, far, lag, step = (
         np.concatenate([column[a] for column, a in zip(columns, after, strict=True)])
         for columns in (
@@ -145,8 +145,8 @@ def hang_together(off_rad_s: Array, alone: Mask, order: NDArray[np.intp]) -> boo
     off, far = off_rad_s[order], alone[order]
     if not far.any():
         return False
-    beside = median_filter(off, _BESIDE)
-    return bool(np.mean(beside[far] / off[far] > _AS_OTHERS) > 0.5)
+    alike = median_filter(off, _BESIDE) * off > _AS_OTHERS * off**2
+    return bool(np.mean(alike[far]) > 0.5)
 
 
 def _alone(residual: Array, least: Array) -> Mask:

@@ -75,7 +75,7 @@ def name_causes(
     spread
         Standard deviation of the whitened noise where nothing is named.
     """
-    found, here, earned = Named([], NOTHING, spread), _unusual(problem, ranked), np.zeros(1)
+    found, here, earned = Named([], NOTHING, spread), _news(problem, ranked, spread), np.zeros(1)
     while here and len(found.rankings) < _MOST_CAUSES:
         if here[0].p_value >= CLEAR or here[0].score <= 0.0:
             break
@@ -92,7 +92,7 @@ def name_causes(
             return _with_the_rest(problem, effects, found)
         taken = set().union(*map(same_shape, found.rankings))
         others = [e for e in effects if e.name not in taken]
-        here = _unusual(problem, rank(problem, others, left, longer))
+        here = _news(problem, rank(problem, others, left, longer), left)
     return found
 
 
@@ -112,15 +112,20 @@ def _first_worth(
     return None
 
 
-def _unusual(problem: Problem, ranked: list[Ranked]) -> list[Ranked]:
+def _news(problem: Problem, ranked: list[Ranked], spread: float) -> list[Ranked]:
     """Leave out what healthy runs show anyhow, unless it is far beyond what a day may do.
 
-    And what is less likely than that: it is the same seen through another cause.
+    Where that leads, another cause counts only if it brings something beside it: else it is the
+    same, seen through another cause.
     """
     habits = {habit["name"] for habit in problem.known.habits}
     usual = [r for r in ranked if r.effect.name in habits and r.p_value >= _UNUSUAL]
-    likeliest = max((r.score for r in usual), default=-np.inf)
-    return [r for r in ranked if r not in usual and r.score > likeliest]
+    rest = [r for r in ranked if r not in usual]
+    if not rest or ranked[0] not in usual:
+        return rest
+    beside = rank(problem, [r.effect for r in rest], spread, ranked[0].fit)
+    own = {r.effect.name for r in beside if r.p_value < CLEAR}
+    return [r for r in rest if r.effect.name in own]
 
 
 def _with_the_rest(problem: Problem, effects: Sequence[Effect], found: Named) -> Named:

@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 from usmbench.diagnose.fitting import Fit
 from usmbench.diagnose.form import OFF
 from usmbench.diagnose.problem import Problem
-from usmbench.diagnose.refining import refine
+from usmbench.diagnose.refining import refine_widely
 from usmbench.model.extended import Applied
 
 Array = NDArray[np.float64]
 
 # What a further cause has to bring in deviance though the form of those before it is in doubt: what
 # patches bring, see "two causes" in benchmarks/naming_campaign.py, and a share of the first.
-_SECOND_LEAST, _SECOND_SHARE = 35.0, 3e-4
+_SECOND_LEAST, _SECOND_SHARE = 40.0, 3e-4
 # Of what it brings; a cause that keeps less looks like a misfit of those before it, and has to
 # bring more than a form that is off by as much as forms are.
 _ITSELF, _MISFIT_SHARE = 0.9, OFF**2
@@ -51,15 +51,17 @@ def worth_a_name(
         return False
     if before.effects and most > _ONE_FOLD * taken:
         return False
-    if before.effects and not _beyond_form(problem, longer, first, spread):
+    if before.effects and not _beyond_form(problem, before, longer, first, spread):
         return False
     gained = _by_row(problem, before, longer)
     return _effective(gained) >= _FEWEST_ROWS or _places(problem, gained) >= _FEWEST_PLACES
 
 
-def _beyond_form(problem: Problem, longer: Fit, first: float, spread: float) -> bool:
+def _beyond_form(problem: Problem, before: Fit, longer: Fit, first: float, spread: float) -> bool:
     """Whether the last of the effects brings more than the others' form may be off by."""
-    others = refine(problem, replace(longer, effects=longer.effects[:-1]))
+    others = before
+    if [a.effect for a in before.effects] != [a.effect for a in longer.effects[:-1]]:
+        others = refine_widely(problem, replace(longer, effects=longer.effects[:-1]))
     fits = others.effects, longer.effects
     brings, kept = (_gained(p, *fits) for p in (problem, problem.doubting(others.effects)))
     # What is jagged is off where no smooth doubt covers it: at the phases that it leads to.

@@ -9,6 +9,7 @@ from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.scores import fit_percent, rmse
 from usmbench.model.simulate import Simulation, simulate
+from usmbench.runs.check_record import check_numbers
 from usmbench.runs.record import Column, Record
 
 _RATE_TOLERANCE = 1e-3
@@ -61,10 +62,8 @@ def replay_record(record: Record, model: HammersteinModel) -> Replay:
         The run's windows differ from the model's, a value is no number, or the whole run lies
         outside the model's range.
     """
+    check_numbers(record)
     warnings = _check_windows(record, model)
-    if not np.all(np.isfinite(record.speed_rad_s)):
-        row = int(np.argmin(np.isfinite(record.speed_rad_s)))
-        raise InputError(f"{record.name}: speed_rad_s of row {row} is no number; mend the row")
     simulation = simulate(
         model,
         record.phase_deg,

@@ -41,11 +41,11 @@ def test_a_noise_that_has_grown_to_a_finding_is_left_by_a_name(
 def test_scatter_excuses_no_name_that_gains_nothing_unseen(
     gain: float, verdict: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    problem = _judged(1.0)
+    problem = _judged(1.4)  # and so much scatter that what the views show is little of it
     lost = applied("missed_counts", "of all", share_lost=0.05, above_rad_s=9.0)
     fit = Fit((lost,), 900.0, 0.0)
     named = [[Ranked(lost.effect, fit, 900.0, 0.0, 900.0)]]
-    before, after = (Whole(excess, 0.0, problem.n_rows) for excess in (1000.0, 150.0))
+    before, after = (Whole(excess, 0.0, problem.n_rows) for excess in (1000.0, 450.0))
     scored = Gain(0.1, 0.1, 0.05, gain, gain, gain)
     monkeypatch.setattr("usmbench.diagnose.found.leaves_scatter", lambda *_: True)
     monkeypatch.setattr("usmbench.diagnose.found.held_out_gain", lambda *_: scored)
@@ -58,9 +58,9 @@ def test_a_name_beside_something_smooth_that_has_none_is_a_patch(
 ) -> None:
     problem = _judged(1.0)
     weight = applied("load_torque", "weight", one_sided_rad_s=0.1)
-    fit = Fit((weight,), 9e3, 0.0)
-    named = [[Ranked(weight.effect, fit, 9e3, 0.0, 9e3)]]
-    before, after = Whole(1e4, 0.0, problem.n_rows), Whole(share * 2000.0, 0.0, problem.n_rows)
+    fit = Fit((weight,), 2e3, 0.0)
+    named = [[Ranked(weight.effect, fit, 2e3, 0.0, 2e3)]]
+    before, after = Whole(4e3, 0.0, problem.n_rows), Whole(share * 2000.0, 0.0, problem.n_rows)
     assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), None) == verdict
 
 

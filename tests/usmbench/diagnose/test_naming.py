@@ -41,7 +41,7 @@ def test_a_cause_gains_nothing_by_being_looked_for_twice(
     problem = Problem(stretches, knowledge_of(model), noise, _uses(stretches))
     ranked = rank(problem, effects, 1.0)
     assert [r.effect.name for r in ranked] == ["plain", "twofold", "twofold"]
-    assert ranked[0].score == pytest.approx(ranked[1].score)
+    assert ranked[0].statistic == pytest.approx(ranked[1].statistic)
 
 
 def _twin(name: str, form: str) -> Effect:

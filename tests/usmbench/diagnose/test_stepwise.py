@@ -14,6 +14,7 @@ from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.stepwise import Named, name_causes
 from usmbench.diagnose.stretches import Stretch
 from usmbench.diagnose.views import omnibus
+from usmbench.model.effects.base import Effect
 from usmbench.model.effects.registry import find_effect
 from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
@@ -59,20 +60,29 @@ def test_what_healthy_runs_show_is_named_only_far_beyond_what_a_day_does(
     assert _names(found) == ["stick_slip"] * named
 
 
-@pytest.mark.parametrize(("habitual", "named"), [(True, []), (False, ["transport_delay"])])
-def test_what_a_habit_explains_better_is_no_news(
-    stretches: list[Stretch], model: HammersteinModel, habitual: bool, named: list[str]
+DELAY = Applied(find_effect("transport_delay", ""), {"delay_s": 2e-4})
+TWIN: Effect = type("Twin", (type(LOST.effect),), {"name": "twin"})()
+
+
+@pytest.mark.parametrize(
+    ("other", "named"),
+    [(TWIN, []), (DELAY.effect, ["transport_delay"])],
+    ids=["the same seen through another cause", "another cause beside it"],
+)
+def test_where_a_habit_leads_another_cause_counts_for_what_it_brings_beside_it(
+    stretches: list[Stretch], model: HammersteinModel, other: Effect, named: list[str]
 ) -> None:
-    delay = Applied(find_effect("transport_delay", ""), {"delay_s": 0.001})
-    problem = _with_residual_of(_stuck(stretches, model, *([LOST] if habitual else [])), delay)
-    left = problem.left([delay])
-    fits = [Fit((a,), problem.deviance - float(left @ left), 0.0) for a in (LOST, delay)]
-    scored = zip(fits, (1e-6, 1e-7), (30.0, 20.0), strict=True)
-    ranked = [Ranked(f.effects[0].effect, f, f.statistic, p, score) for f, p, score in scored]
-    effects, basis = [delay.effect], omnibus(problem)["all"]
-    if not habitual:
-        ranked = ranked[1:]
-    assert _names(name_causes(problem, basis, ranked, effects, 1.0)) == named
+    problem = _stuck(stretches, model, LOST)
+    if other is DELAY.effect:
+        problem = _with_residual_of(problem, DELAY)
+    effects, basis = [LOST.effect, other], omnibus(problem)["all"]
+    first, second = rank(problem, effects, 1.0)
+    assert (first.effect, second.effect) == (LOST.effect, other)
+    assert second.p_value < 1e-4
+    # As far beyond what a day does as a habit may be without being news.
+    ranked = [replace(first, p_value=1e-6), second]
+    # Given the delay the habit is weighed anew.
+    assert _names(name_causes(problem, basis, ranked, effects, 1.0))[:1] == named
 
 
 def test_of_causes_that_explain_as_much_one_that_holds_on_unseen_rows_is_named(

@@ -69,3 +69,12 @@ def test_a_cause_that_may_be_a_misfit_of_the_first_is_asked_for_more(
     monkeypatch.setattr("usmbench.diagnose.worth._gained", lambda *_: next(found))
     first = 200.0 * brings  # of which a form that is a tenth off leaves twice as much
     assert worth_a_name(problem, before, longer, np.array(EVERYWHERE), first, 1.0) == worth
+
+
+@pytest.mark.parametrize(("brings", "worth"), [(30.0, False), (50.0, True)])
+def test_a_second_cause_has_to_bring_something_of_its_own(
+    problem: Problem, monkeypatch: pytest.MonkeyPatch, brings: float, worth: bool
+) -> None:
+    monkeypatch.setattr("usmbench.diagnose.worth._gained", lambda *_: brings)
+    before, longer = _fit(problem, LATE), _fit(problem, LATE, WARMS)
+    assert worth_a_name(problem, before, longer, np.array(EVERYWHERE), 1e3, 1.0) == worth
