@@ -1,7 +1,6 @@
 """Which causes to name: the library weighed against the whitened residual."""
 
 import math
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -50,8 +49,7 @@ class Ranked:
     p_value
         Family-wise probability of it where nothing is wrong.
     score
-        Statistic less the price of its parameters, of its cause's forms, and of a scatter that is
-        not there.
+        Statistic less the price of its parameters, and of a scatter that is not there.
     """
 
     effect: Effect
@@ -85,15 +83,14 @@ def rank(
         if k < _REFINED or not any(p.scanned for p in fit.effects[-1].effect.parameters):
             better = refine(problem, sharpen(problem, fit, held))
             fits[k] = Fit(better.effects, better.statistic - gained, fit.roughness)
-    price, forms = math.log(max(problem.n_rows, 2)), Counter(e.name for e in effects)
+    price = math.log(max(problem.n_rows, 2))
     found = []
     for fit in fits:
         effect = fit.effects[-1].effect
         statistic = max(fit.statistic, 0.0) / spread**2
         alone = Fit(fit.effects[-1:], statistic, fit.roughness)
         p_value = min(1.0, alone.p_value * len(effects))
-        # A cause is as likely as another beforehand, in however many forms it is looked for.
-        score = statistic - _price(effect, price) - 2.0 * math.log(forms[effect.name])
+        score = statistic - _price(effect, price)
         if effect.by_chance and not scatters(problem, fit.effects):
             # Whatever explains about as much goes first.
             score -= max(_MISFIT, telling_deviance(statistic))
