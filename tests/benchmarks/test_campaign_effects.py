@@ -7,7 +7,7 @@ from benchmarks.campaign_bench import MotorBench
 from benchmarks.campaign_draws import Draw, Hidden
 from benchmarks.campaign_effects import enlarged
 from benchmarks.campaign_runs import Excited
-from hil_sim.defects import parse_defect
+from hil_sim.defects import CATALOGUE, parse_defect
 
 SHORT = Excited("staircase", 10.0, 5)
 
@@ -33,12 +33,15 @@ def test_the_rest_is_measured_as_it_is(defects: list[str], strength: float) -> N
     assert enlarged(made, strength) == (made, 1.0)
 
 
-def test_a_small_effect_is_its_share_of_a_large_one(motor_bench: MotorBench) -> None:
-    def seen_rad_s(text: str, strength: float) -> float:
-        hidden = Hidden("single", (text,), ("speed_scale",), strength)
-        draw = Draw(1, hidden, SHORT, wire=False)
-        seen = motor_bench.effects.seen(draw, hidden.made)
+@pytest.mark.parametrize("mechanism", ["worn_contact", "flywheel", "hanging_weight"])
+def test_a_small_effect_is_its_share_of_a_large_one(
+    motor_bench: MotorBench, mechanism: str
+) -> None:
+    def seen_rad_s(size: float, strength: float) -> float:
+        made = (CATALOGUE[mechanism](size * CATALOGUE[mechanism].typical),)
+        draw = Draw(1, Hidden("single", strength=strength), SHORT, wire=False)
+        seen = motor_bench.effects.seen(draw, made)
         return float(np.sqrt(np.mean(seen.effects_rad_s.mean(axis=0)[seen.well] ** 2)))
 
-    small, large = seen_rad_s("worn_contact=0.036", 0.3), seen_rad_s("worn_contact=3.6", 30.0)
-    assert small / large == pytest.approx(0.01, rel=0.1)
+    # The first is driven ten times as large as the noise, the second as it is.
+    assert seen_rad_s(0.3, 0.3) / seen_rad_s(3.0, 10.0) == pytest.approx(0.1, rel=0.2)

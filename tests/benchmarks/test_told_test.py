@@ -27,6 +27,9 @@ def test_a_length_grows_with_the_effect_and_the_windows(motor_bench: MotorBench)
         windows = record.t_s < record.t_s[0] + until_s
         return told_length(times * np.stack([effect, effect]), record, found, windows)
 
+    slow = 0.01 * np.sqrt(2.0) * np.sin(2.0 * np.pi * record.t_s)
+    # Which the noise and the model's own error hide more of.
+    assert told_length(np.stack([slow, slow]), record, found) < 0.7 * length(1.0)
     assert length(2.0) == pytest.approx(2.0 * length(1.0))
     assert length(1.0, until_s=5.0) < 0.8 * length(1.0)
     assert told_length(np.stack([effect, effect]), record, found) == pytest.approx(length(1.0))
