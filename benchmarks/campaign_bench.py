@@ -108,7 +108,7 @@ class MotorBench:
         write_model(self._extended, result.extended)
         return result.to_json()
 
-    def _searched(self, record: Record) -> Found:
+    def searched(self, record: Record) -> Found:
         """Return what a diagnosis of a run finds before it says so."""
         model = read_model(self.model)
         return searched(cut_runs([record], model, own_effects(model))[0], model)
@@ -138,7 +138,7 @@ class MotorBench:
         outcome.rms = float(np.sqrt(square / np.count_nonzero(inside))) / noise_rad_s
         small = draw.hidden.group == "single" and outcome.strength < _SMALL
         if small and not seen.by_chance:
-            found = self._searched(record)
+            found = self.searched(record)
             outcome.told = told_length(seen.effects_rad_s, record, found, seen.well)
 
     def _on_another_run(self, outcome: Outcome, draw: Draw) -> None:
@@ -149,7 +149,7 @@ class MotorBench:
         (plain, _), (better, _) = _error(self.model, record), _error(self._extended, record)
         truly = plain - self.effects.effects_rad_s(excited, defects).mean(axis=0)
         # The windows that a diagnosis of this run would score.
-        problem = self._searched(record).problem
+        problem = self.searched(record).problem
         ((stretch,), (mask,)) = problem.stretches, problem.masks
         rows = stretch.use & mask
         floor = problem.noise.level_rad_s(stretch)[rows]

@@ -25,9 +25,6 @@ from benchmarks.campaign_runs import Excited, Motor
 from benchmarks.campaign_tables import share
 from benchmarks.told_test import LENGTH, told_length
 from hil_sim.defects import CATALOGUE
-from usmbench.diagnose.cut_runs import cut_runs
-from usmbench.diagnose.pipeline import own_effects, searched
-from usmbench.model.model_file import read_model
 from usmbench.runs.reader import read_run
 
 MECHANISMS = (
@@ -59,8 +56,7 @@ class Power:
     def __init__(self, bench: MotorBench, excited: Excited):
         self._bench, self._excited = bench, excited
         self._record = read_run(bench.measured(excited, 0))
-        model = read_model(bench.model)
-        self._found = searched(cut_runs([self._record], model, own_effects(model))[0], model)
+        self._found = bench.searched(self._record)
 
     def told_size(self, mechanism: str) -> float:
         """Return the size at which the test that is told the form has a power of 90 %."""

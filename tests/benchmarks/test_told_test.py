@@ -6,9 +6,6 @@ import pytest
 from benchmarks.campaign_bench import MotorBench
 from benchmarks.campaign_runs import Excited
 from benchmarks.told_test import LENGTH, told_length, told_power
-from usmbench.diagnose.cut_runs import cut_runs
-from usmbench.diagnose.pipeline import own_effects, searched
-from usmbench.model.model_file import read_model
 from usmbench.runs.reader import read_run
 
 
@@ -19,8 +16,7 @@ def test_it_finds_nine_of_ten_effects_of_its_length() -> None:
 
 def test_a_length_grows_with_the_effect_and_the_windows(motor_bench: MotorBench) -> None:
     record = read_run(motor_bench.measured(Excited("staircase", 10.0, 5), 0))
-    model = read_model(motor_bench.model)
-    found = searched(cut_runs([record], model, own_effects(model))[0], model)
+    found = motor_bench.searched(record)
     effect = 0.01 * np.random.default_rng(1).standard_normal(record.t_s.size)
 
     def length(times: float, until_s: float = 1e9) -> float:
