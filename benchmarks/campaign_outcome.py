@@ -29,7 +29,7 @@ class Outcome:
         Plain ratio of root mean squares, of what was hidden and of the noise.
     told
         Length of a small effect to a test that is told its form; None where it was not asked.
-    verdict, named, alternatives, remainder
+    verdict, named, p_values, alternatives, remainder
         What diagnose said.
     gain
         The held-out gain that it claims; None where it names nothing.
@@ -58,6 +58,7 @@ class Outcome:
     told: float | None = None
     verdict: str = ""
     named: list[str] = field(default_factory=list)
+    p_values: list[float] = field(default_factory=list)
     alternatives: list[str] = field(default_factory=list)
     gain: float | None = None
     fresh_gain: float | None = None
@@ -98,6 +99,7 @@ class Outcome:
         """
         self.verdict = found["verdict"]
         self.named = [cause["name"] for cause in found["causes"]]
+        self.p_values = [cause["p_value"] for cause in found["causes"]]
         self.alternatives = [a for cause in found["causes"] for a in cause["alternatives"]]
         self.gain = found["gain"] if found["causes"] else None
         self.remainder = "" if found["remainder"] is None else found["remainder"]["versus"]

@@ -7,7 +7,7 @@ from scipy.stats import norm
 
 from benchmarks.campaign_bench import MotorBench
 from benchmarks.campaign_runs import Excited
-from benchmarks.naming_power import MULTIPLES, Power, size_of_90_percent
+from benchmarks.naming_power import MULTIPLES, Hits, Power, size_of_90_percent
 
 
 def test_a_longer_run_needs_a_smaller_size(motor_bench: MotorBench) -> None:
@@ -20,7 +20,7 @@ def test_a_longer_run_needs_a_smaller_size(motor_bench: MotorBench) -> None:
 
 def test_a_large_cause_is_named(motor_bench: MotorBench) -> None:
     power = Power(motor_bench, Excited("staircase", 10.0, 5))
-    assert power.named("dead_direction", 1.0, 1) == 1
+    assert power.named("dead_direction", 1.0, 1) == Hits(first=1, in_set=1)
 
 
 def test_the_fit_finds_the_size_of_90_percent() -> None:

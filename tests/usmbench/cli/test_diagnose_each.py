@@ -101,7 +101,7 @@ def test_a_cluster_finds_what_one_by_one_is_found(
 ) -> None:
     monkeypatch.chdir(folder)
     with LocalCluster(
-        n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
+        n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0"
     ) as cluster:
         assert_as_one_by_one(["--scheduler", cluster.scheduler_address], one_by_one)
 
@@ -155,7 +155,7 @@ def test_a_scheduler_without_workers_is_refused(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(folder)
-    with LocalCluster(n_workers=0, host="127.0.0.1", dashboard_address=None) as cluster:
+    with LocalCluster(n_workers=0, host="127.0.0.1", dashboard_address="127.0.0.1:0") as cluster:
         words = ["--scheduler", cluster.scheduler_address]
         assert "has no workers; start some: dask worker" in refused(words, capsys)
 
