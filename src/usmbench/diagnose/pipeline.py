@@ -20,7 +20,7 @@ from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.remainder import describe
 from usmbench.diagnose.result import Diagnosis, Trace, Verdict
 from usmbench.diagnose.search import search
-from usmbench.diagnose.sporadic import Sporadic, find_sporadic
+from usmbench.diagnose.sporadic import Sporadic, find_sporadic, left_unnamed
 from usmbench.diagnose.stretches import Stretch
 from usmbench.diagnose.views import residual_views
 from usmbench.model.effects.base import Effect
@@ -99,7 +99,8 @@ def _diagnosed(
     if sporadic is not None and sporadic.named.name in {r[0].effect.name for r in found.named}:
         sporadic = None
     says = verdict_on(found, sporadic)
-    return _report(found, sporadic, says, model, testable, tuple(refused.items()), tuple(warnings))
+    told = warnings if sporadic is not None else [*warnings, *left_unnamed(found.problem)]
+    return _report(found, sporadic, says, model, testable, tuple(refused.items()), tuple(told))
 
 
 def _report(

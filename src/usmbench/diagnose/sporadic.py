@@ -111,6 +111,33 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
     return Sporadic(Applied(effect, {e.name: e.value for e in estimates}), named, deviance)
 
 
+def left_unnamed(problem: Problem) -> list[str]:
+    """Say of each stretch how many windows are not judged for standing alone.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+
+    Returns
+    -------
+    list of str
+        A warning for each stretch that has such windows while its motor runs steadily.
+    """
+    found = []
+    for stretch, mask, left in zip(
+        problem.stretches, problem.masks, problem.residual_rad_s, strict=True
+    ):
+        off_rad_s = np.abs(left[steady(stretch) & ~mask])
+        if off_rad_s.size:
+            found.append(
+                f"{stretch.name}: windows of steady running that stand alone are not judged: "
+                f"{off_rad_s.size}, off by up to {np.max(off_rad_s):.3g} rad/s; no cause is named "
+                "for them"
+            )
+    return found
+
+
 def _alone(
     problem: Problem, left: Sequence[Array], effects: Sequence[Applied], spread: float
 ) -> list[Mask]:

@@ -20,6 +20,7 @@ from usmbench.diagnose.naming import (
 from usmbench.diagnose.problem import Basis, Problem
 from usmbench.diagnose.refining import refine_widely
 from usmbench.diagnose.robust import huber_weights
+from usmbench.diagnose.scanning import fit_effect, sharpen
 from usmbench.diagnose.views import omnibus
 from usmbench.diagnose.worth import worth_a_name
 from usmbench.model.effects.base import Effect
@@ -147,10 +148,19 @@ def _with_the_rest(problem: Problem, effects: Sequence[Effect], found: Named) ->
     rest = name_causes(clear, basis, rank(clear, others, spread), others, spread)
     if not rest.rankings:
         return found
-    together = (chance, *rest.fit.effects)
-    left = problem.left(together)
-    fit = Fit(together, problem.deviance - float(left @ left), 0.0)
+    fit = _beside(problem, chance, rest.fit.effects)
+    # What acts elsewhere has to do so there, too.
+    if fit.statistic <= found.fit.statistic:
+        return found
     return Named([found.rankings[-1], *rest.rankings], fit, found.spread)
+
+
+def _beside(problem: Problem, chance: Applied, rest: Sequence[Applied]) -> Fit:
+    """Fit what acts by chance anew, beside other causes."""
+    again = sharpen(problem, fit_effect(problem, chance.effect, rest), rest)
+    together = (again.effects[-1], *rest)
+    left = problem.left(together)
+    return Fit(together, problem.deviance - float(left @ left), 0.0)
 
 
 def _together(

@@ -9,6 +9,7 @@ from scipy.signal import sawtooth
 from known_motor import NOISE_RAD_S, applied, driven, identified
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.knowledge import knowledge_of
+from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.sporadic import find_sporadic
 
@@ -42,3 +43,17 @@ def test_what_hangs_on_the_phase_is_no_chance(by_chance: bool) -> None:
     assert known.noise is not None
     problem = Problem([stretch], known, known.noise, [stretch.use])
     assert (find_sporadic(problem, (), 1.0) is not None) == by_chance
+
+
+@pytest.mark.parametrize(("n_off", "told"), [(0, False), (2, True), (12, False)])
+def test_windows_too_few_for_a_cause_are_not_left_unsaid(n_off: int, told: bool) -> None:
+    phase_deg = np.repeat(np.random.default_rng(2).uniform(30.0, 88.0, 40), 20)
+    record = driven(phase_deg, 4)
+    off = np.zeros(phase_deg.size)
+    off[15 : 15 + 60 * n_off : 60] = 25.0 * NOISE_RAD_S
+    found = diagnose([replace(record, speed_rad_s=record.speed_rad_s + off)], identified())
+    assert [cause.name for cause in found.causes] == (["count_glitches"] if n_off > 2 else [])
+    warned = [w for w in found.warnings if "stand alone" in w]
+    assert len(warned) == told
+    if told:
+        assert f"not judged: 2, off by up to {25.0 * NOISE_RAD_S:.1g}" in warned[0]

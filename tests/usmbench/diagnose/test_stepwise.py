@@ -120,5 +120,27 @@ def test_what_is_far_out_hides_no_cause_beside_one_that_acts_by_chance(
     assert _names(found) == ["missed_counts", "stick_slip"]
 
 
+@pytest.mark.parametrize("everywhere", [True, False])
+def test_a_cause_beside_one_that_acts_by_chance_acts_where_that_one_does_too(
+    stretches: list[Stretch], model: HammersteinModel, everywhere: bool
+) -> None:
+    problem = _stuck(stretches, model)
+    lost = Applied(
+        find_effect("missed_counts", "of the excess"), {"lost_of_excess": 0.2, "above_rad_s": 7.0}
+    )
+    lean = Applied(find_effect("gain_asymmetry", "balanced"), {"asymmetry": 0.03})
+    parts = zip(stretches, problem.change_rad_s([lost]), problem.change_rad_s([lean]), strict=True)
+    noise = np.random.default_rng(2)
+    problem.residual_rad_s = [
+        0.01 * noise.standard_normal(s.context.n) + one + two * (everywhere | (one == 0.0))
+        for s, one, two in parts
+    ]
+    problem = problem.with_masks([s.use for s in stretches])
+    effects = [lost.effect, lean.effect]
+    ranked = sorted(rank(problem, effects, 1.0), key=lambda r: r.effect is not lost.effect)
+    found = name_causes(problem, omnibus(problem)["all"], ranked, effects, 1.0)
+    assert _names(found) == ["missed_counts"] + ["gain_asymmetry"] * everywhere
+
+
 def _names(found: Named) -> list[str]:
     return [ranking[0].effect.name for ranking in found.rankings]
