@@ -99,8 +99,10 @@ def _diagnosed(
     if sporadic is not None and sporadic.named.name in {r[0].effect.name for r in found.named}:
         sporadic = None
     says = verdict_on(found, sporadic)
-    told = warnings if sporadic is not None else [*warnings, *left_unnamed(found.problem)]
-    return _report(found, sporadic, says, model, testable, tuple(refused.items()), tuple(told))
+    told = tuple(warnings)
+    if sporadic is None:
+        told += tuple(left_unnamed(found.problem, found.fit.effects))
+    return _report(found, sporadic, says, model, testable, tuple(refused.items()), told)
 
 
 def _report(

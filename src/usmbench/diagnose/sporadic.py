@@ -111,13 +111,15 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
     return Sporadic(Applied(effect, {e.name: e.value for e in estimates}), named, deviance)
 
 
-def left_unnamed(problem: Problem) -> list[str]:
+def left_unnamed(problem: Problem, effects: Sequence[Applied]) -> list[str]:
     """Say of each stretch how many windows are not judged for standing alone.
 
     Parameters
     ----------
     problem
         The problem.
+    effects
+        The causes that are named.
 
     Returns
     -------
@@ -126,9 +128,10 @@ def left_unnamed(problem: Problem) -> list[str]:
     """
     found = []
     for stretch, mask, left in zip(
-        problem.stretches, problem.masks, problem.residual_rad_s, strict=True
+        problem.stretches, problem.masks, problem.left_rad_s(effects), strict=True
     ):
-        off_rad_s = np.abs(left[steady(stretch) & ~mask])
+        far = np.abs(left) > PLAIN * problem.noise.level_rad_s(stretch)
+        off_rad_s = np.abs(left[far & steady(stretch) & ~mask])
         if off_rad_s.size:
             found.append(
                 f"{stretch.name}: windows of steady running that stand alone are not judged: "
