@@ -1,5 +1,6 @@
 """It starts later than it stops."""
 
+from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -8,6 +9,8 @@ from numpy.typing import NDArray
 from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
 
 _STANDING = 0.01  # share of the highest settled speed of the stretch below which the rotor stands
+_MANY_PHASES = 100
+_HALVINGS, _DIGITS = 14, 2  # enough for a hundredth of a degree
 _AT_START = 1.5  # windows: up to then a run is at its beginning, and its rotor at rest
 _MEANING = "The motor starts later than it stops: the dead zone depends on where φ comes from."
 _MEND = "Look at preload and friction layer; run in the contact; sweep slowly through 0°."
@@ -51,15 +54,21 @@ class Sticking(Effect):
         runs = bool(context.t_s[0] > _AT_START * context.window_s)
         return np.where(_latched(starts, stops & ~starts, runs), signal, 0.0)
 
-    def grid(self, contexts: object) -> dict[str, Array]:
-        """Return a few widths up to 40°.
+    def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
+        """Return a width for every set of starts that it may put off; a few where these are many.
 
         Parameters
         ----------
         contexts
             All stretches.
         """
-        return {"start_later_deg": np.geomspace(0.02, 40.0, 30)}
+        # In a staircase of wide steps all starts may be right between two widths near each other.
+        few = sum(np.unique(c.phase_deg).size for c in contexts) <= _MANY_PHASES
+        ends = np.unique(np.concatenate([_into_run_deg(c) if few else [] for c in contexts]))
+        ends = ends[ends > 0.0]
+        if not ends.size:
+            return {"start_later_deg": np.geomspace(0.02, 40.0, 30)}
+        return {"start_later_deg": 0.5 * (ends + np.r_[0.0, ends[:-1]])}
 
 
 class AtRest(Sticking):
@@ -108,6 +117,23 @@ class DirectedEdges(Effect):
             + context.settled_rad_s(context.phase_deg - shift_deg)
             - (context.settled_rad_s(context.phase_deg))
         )
+
+
+def _into_run_deg(context: Context) -> Array:
+    """By how many degrees the phases at which the rotor runs lie beyond the dead zone, shape (K,).
+
+    The edge is found by halving: the curve may be of any kind.
+    """
+    size, way = np.abs(context.phase_deg), np.sign(context.phase_deg)
+    least_rad_s = standing_rad_s(context)
+    runs = np.abs(context.settled_rad_s(context.phase_deg)) > least_rad_s
+    inside, outside = np.zeros(context.n), size
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (inside + outside)
+        fast = np.abs(context.settled_rad_s(way * middle)) > least_rad_s
+        inside, outside = np.where(fast, inside, middle), np.where(fast, middle, outside)
+    found: Array = (size - outside)[runs].round(_DIGITS)
+    return found
 
 
 def standing_rad_s(context: Context) -> float:
