@@ -22,6 +22,8 @@ _LAGS = (0.0, 1.0, 2.0, 4.0, 10.0)  # windows since the step
 def off_in_form(stretch: Stretch, change_rad_s: Array) -> Array:
     """Return by what an effect may be off, in columns of one standard deviation, shape (N, D).
 
+    It may also come sooner or later: a model of slow runs knows little of the motor's lag.
+
     Parameters
     ----------
     stretch
@@ -37,5 +39,6 @@ def off_in_form(stretch: Stretch, change_rad_s: Array) -> Array:
         *(after * (kind == k) for k in range(KINDS) for after in after_step),
         np.sign(stretch.settled_rad_s),
     ]
-    off: Array = OFF * change_rad_s[:, None] * np.column_stack(columns)
+    later = np.diff(change_rad_s, prepend=change_rad_s[:1])
+    off: Array = OFF * np.column_stack((change_rad_s[:, None] * np.column_stack(columns), later))
     return off

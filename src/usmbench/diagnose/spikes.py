@@ -14,7 +14,8 @@ Array = NDArray[np.float64]
 
 _RUNNING = 0.1  # of the highest speed
 _GENTLE = 0.1  # the same, a window: a command that glides
-_SETTLING = 2  # windows until the noise says how sure the speed of a rotor is that turns on
+# Windows until the noise says how sure the speed of a rotor is that turns on, or starts and stops.
+_SETTLING, _STARTING = 2, 3
 _PARTS = 8  # of the speeds, from slow to fast
 _MOST_ALONE, _MOST_IN_PART = 0.1, 0.25  # more is no exception
 _BESIDE, _AS_OTHERS = 11, 0.5  # windows; of what a window is off by
@@ -64,7 +65,7 @@ def steady(stretch: Stretch) -> Mask:
     top_rad_s = float(np.max(settled, initial=0.0))
     gently = (np.abs(stretch.step_rad_s) < _GENTLE * top_rad_s) | (stretch.lag >= _SETTLING)
     on: Mask = stretch.use & (settled > _RUNNING * top_rad_s)
-    calm: Mask = on & (gently & (step_kind(stretch) == 0) | (stretch.lag >= LAGS))
+    calm: Mask = on & (gently & (step_kind(stretch) == 0) | (stretch.lag >= _STARTING))
     return calm
 
 

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.noise import KINDS, LAGS, Noise
-from usmbench.diagnose.spikes import off_steps, spiked
+from usmbench.diagnose.spikes import off_steps, spiked, steady
 from usmbench.diagnose.stretches import Stretch
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
@@ -43,6 +43,12 @@ def reversing() -> Stretch:
 def _alone(stretch: Stretch, residual_rad_s: NDArray[np.float64]) -> list[int]:
     (far,) = spiked([stretch], [residual_rad_s], NOISE, near_steps=True)
     return np.flatnonzero(far).tolist()
+
+
+def test_the_motor_runs_steadily_from_the_third_window_after_a_reversal_on(
+    reversing: Stretch,
+) -> None:
+    assert np.array_equal(steady(reversing), reversing.use & (reversing.lag >= 3))
 
 
 def test_an_error_that_turns_with_the_motion_is_no_spike(reversing: Stretch) -> None:
