@@ -10,7 +10,8 @@ from usmbench.errors import InputError
 from usmbench.model.effects.base import Context
 from usmbench.model.extended import applied_effects, extended_run, through
 from usmbench.model.hammerstein import HammersteinModel
-from usmbench.model.operating_points import detuning_weights, point_weights
+from usmbench.model.operating_points import point_weights
+from usmbench.model.resonance_slope import MixedSlope, point_slopes
 from usmbench.model.simulate import MixedCurve
 
 _AHEAD: Final = 64
@@ -75,6 +76,7 @@ class ModelSpeed:
         self.window_s = model.linear.window_s
         self._model = model
         self._effects = applied_effects(model.effects)
+        self._slopes = point_slopes(model.points)
         self._past: list[Window] = []
         self._ahead: NDArray[np.float64] = np.zeros(0)
         self._taken = 0
@@ -119,9 +121,8 @@ class ModelSpeed:
             self._forgotten_rad += float(turned_rad[:_REMEMBERED].sum())
             del self._past[:_REMEMBERED]
 
-    def _curves(self, weights: list[NDArray[np.float64]]) -> tuple[MixedCurve, MixedCurve | None]:
+    def _curves(self, weights: list[NDArray[np.float64]]) -> tuple[MixedCurve, MixedSlope | None]:
         """Settled speed and its change with the drive frequency, by the weights of the points."""
-        points = self._model.points
-        slopes = detuning_weights(points, weights)
-        detuning = None if slopes is None else MixedCurve(points, slopes)
-        return MixedCurve(points, tuple(weights)), detuning
+        mixed, slopes = tuple(weights), self._slopes
+        detuning = None if slopes is None else MixedSlope(slopes, mixed)
+        return MixedCurve(self._model.points, mixed), detuning

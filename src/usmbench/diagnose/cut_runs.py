@@ -12,8 +12,9 @@ from usmbench.model.effects.base import Context
 from usmbench.model.extended import Applied, extended_run
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.linear import memory_windows
-from usmbench.model.operating_points import detuning_weights, places_among, point_weights
+from usmbench.model.operating_points import places_among, point_weights
 from usmbench.model.replay import middle_angle_rad
+from usmbench.model.resonance_slope import point_slopes
 from usmbench.runs.dwells import dwell_begin
 from usmbench.runs.record import Record
 
@@ -53,6 +54,8 @@ def cut_runs(
     """
     nodes_deg = np.linspace(-200.0, 200.0, _NODES)
     speeds = [point.curve.speed_rad_s(nodes_deg) for point in model.points]
+    along = point_slopes(model.points)
+    slopes = None if along is None else [slope.rad_s(nodes_deg) for slope in along]
     stretches: list[Stretch] = []
     warnings: list[str] = []
     check_motors(records)
@@ -64,7 +67,6 @@ def cut_runs(
         weights, outside = point_weights(
             model.points, record.t_s.size, record.frequency_hz, record.torque_nm
         )
-        slopes = detuning_weights(model.points, weights)
         outside |= _beyond(model, weights, record.phase_deg)
         check_outside(record, outside, warnings)
         window_s = float(np.median(record.window_s))
@@ -79,9 +81,7 @@ def cut_runs(
                 model.linear,
                 angle_rad[rows],
                 None if record.temperature_c is None else record.temperature_c[rows],
-                None
-                if slopes is None
-                else TabledCurve(nodes_deg, speeds, [w[rows] for w in slopes], phase_deg),
+                None if slopes is None else TabledCurve(nodes_deg, slopes, points, phase_deg),
                 None if record.count_rad is None else record.count_rad / window_s,
             )
             measured_rad_s, use = record.speed_rad_s[rows], ~outside[rows]

@@ -105,7 +105,7 @@ def _first_worth(
     Of causes that explain about as much, one may not hold on rows that its fit has not seen.
     """
     first = found.rankings[0][0].statistic if found.rankings else 0.0
-    for best in nearest(ranked):
+    for best in (r for r in nearest(ranked) if r.p_value < CLEAR):
         longer = refine_widely(problem, best.fit)
         drop = held_out_drop(problem, longer)
         if worth_a_name(problem, found.fit, longer, drop - earned, first, found.spread):

@@ -23,7 +23,7 @@ _ITSELF, _MISFIT_SHARE = 0.9, OFF**2
 _ONE_FOLD = 2.0 / 3.0  # of what it takes from unseen blocks
 # That a cause has to explain better: rows, or places in the runs, where it acts at starts only.
 _FEWEST_ROWS, _FEWEST_PLACES = 8.0, 2.5
-_GAINED, _APART = 20.0, 5  # deviance of a row beyond chance; rows without between two places
+_GAINED, _APART = 10.0, 5  # deviance of a row beyond chance; rows without between two places
 _MOST_OF_ROW = 100.0  # deviance: ten times the noise
 
 

@@ -62,10 +62,8 @@ def point_weights(
     return [table[place.ravel(), k] for k in range(len(points))], outside[place.ravel()]
 
 
-def detuning_weights(
-    points: Sequence[OperatingPoint], weights: Sequence[Array]
-) -> tuple[Array, ...] | None:
-    """Return by how much each point's curve counts in f ∂v/∂f on every row, shape (N,) each.
+def slope_table(points: Sequence[OperatingPoint]) -> Array | None:
+    """Return by how much each point's curve counts in f ∂v/∂f at each point.
 
     A point's slope is that of the parabola through it and its two nearest neighbours in frequency;
     of the line where there is one only.
@@ -74,13 +72,12 @@ def detuning_weights(
     ----------
     points
         The model's operating points.
-    weights
-        As `point_weights` returns them.
 
     Returns
     -------
-    tuple of Array or None
-        None where a point has no neighbour in frequency at its torque.
+    array or None
+        A row for each point's slope, shape (P, P); None where a point has no neighbour in frequency
+        at its torque.
     """
     table = np.zeros((len(points), len(points)))
     for i, point in enumerate(points):
@@ -92,7 +89,7 @@ def detuning_weights(
             share = np.prod([other / (other - step_hz) for other in others]) / step_hz
             table[i, k] = share * float(point.frequency_hz or 0.0)
         table[i, i] = -table[i].sum()
-    return tuple(table.T @ np.array(weights))
+    return table
 
 
 def places_among(points: Sequence[OperatingPoint], weights: Sequence[Array]) -> tuple[Array, ...]:

@@ -9,7 +9,8 @@ from usmbench.errors import InputError
 from usmbench.model.effects.base import Context
 from usmbench.model.extended import applied_effects, extended_run
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint
-from usmbench.model.operating_points import detuning_weights, point_weights
+from usmbench.model.operating_points import point_weights
+from usmbench.model.resonance_slope import MixedSlope, point_slopes
 
 Array = NDArray[np.float64]
 
@@ -91,7 +92,7 @@ def simulate(
     if t_s is None:
         t_s = window_s * np.arange(1.0, phase_deg.size + 1.0)
     curve = MixedCurve(model.points, tuple(weights))
-    slopes = detuning_weights(model.points, weights)
+    slopes = point_slopes(model.points)
     context = Context(
         t_s,
         window_s,
@@ -99,7 +100,7 @@ def simulate(
         curve,
         model.linear,
         angle_rad,
-        detuning_rad_s=None if slopes is None else MixedCurve(model.points, slopes),
+        detuning_rad_s=None if slopes is None else MixedSlope(slopes, tuple(weights)),
     )
     run = extended_run(applied_effects(model.effects), context, measured_rad_s)
     return Simulation(run.speed_rad_s, run.settled_rad_s, curve.outside(phase_deg), outside_point)
