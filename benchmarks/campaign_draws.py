@@ -100,11 +100,14 @@ class Choice:
         Mechanisms to hide in turn, each alone, "nothing" among them; empty for all groups.
     two_frequencies
         Share of the draws that drive two frequencies, one after the other.
+    lengths_s
+        Durations of the runs.
     """
 
     strengths: tuple[float, ...] = STRENGTHS
     mechanisms: tuple[str, ...] = ()
     two_frequencies: float = 0.5
+    lengths_s: tuple[float, ...] = LENGTHS_S
 
     def hidden(self, turn: int, rng: np.random.Generator) -> Hidden:
         """Return what is hidden in the campaign's draw of a number."""
@@ -163,7 +166,7 @@ def draws(seed: int, motor: int, n_draws: int, n_wire: int, choice: Choice) -> I
         hidden = choice.hidden(motor * n_draws + k, rng)
         plan = int(rng.integers(len(PLANS)))
         # One length a plan and motor: half the healthy runs to compare with.
-        duration_s = LENGTHS_S[(motor + plan) % len(LENGTHS_S)]
+        duration_s = choice.lengths_s[(motor + plan) % len(choice.lengths_s)]
         two = places.random() < choice.two_frequencies
         driven_hz = FREQUENCIES_HZ if two else (FREQUENCY_HZ,)
         yield Draw(k, hidden, Excited(PLANS[plan], duration_s, 1000 + motor, driven_hz), k < n_wire)

@@ -20,7 +20,7 @@ from functools import partial
 from pathlib import Path
 
 from benchmarks.campaign_bench import REFERENCE_S, SMALL_REFERENCE_S, MotorBench
-from benchmarks.campaign_draws import STRENGTHS, WANDERS, Choice, draws, motor_of
+from benchmarks.campaign_draws import LENGTHS_S, STRENGTHS, WANDERS, Choice, draws, motor_of
 from benchmarks.campaign_tables import Row, report, wrong_ones
 from hil_sim.defects import CATALOGUE
 from usmbench.errors import UsmbenchError
@@ -108,6 +108,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--through-wire", type=int, default=2, help="draws a motor over pty, gRPC")
     parser.add_argument("--wanders", type=float, nargs="+", default=list(WANDERS))
     parser.add_argument("--strengths", type=float, nargs="+", default=list(STRENGTHS))
+    parser.add_argument("--lengths", type=float, nargs="+", default=list(LENGTHS_S), help="in s")
     parser.add_argument(
         "--mechanisms",
         nargs="+",
@@ -148,7 +149,12 @@ def _driven(arguments: argparse.Namespace) -> list[Row]:
         n_draws,
         arguments.through_wire,
         tuple(arguments.wanders),
-        Choice(tuple(arguments.strengths), tuple(arguments.mechanisms), arguments.two_frequencies),
+        Choice(
+            tuple(arguments.strengths),
+            tuple(arguments.mechanisms),
+            arguments.two_frequencies,
+            tuple(arguments.lengths),
+        ),
         arguments.runs,
         SMALL_REFERENCE_S if arguments.small else REFERENCE_S,
     )
