@@ -17,6 +17,7 @@ _MOST_DECIMALS = 6
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _UNITS = {"1": "", "deg": "°"}
 # How a name ends in its unit, where it is not the unit as it is written.
+_NEARLY_ALL = 0.99
 _ENDINGS = {"rad/s": "_rad_s", "N·m": "_nm", "1/s": "_hz", "Hz": "_hz", "°C": "_c", "%": "_percent"}
 # The only character without ink that a page has a use for beside the plain space.
 _BLANK = "\N{NO-BREAK SPACE}"
@@ -58,7 +59,7 @@ def number(value: float | None, digits: int = 3) -> str:
 
 
 def percent(share: float) -> str:
-    """Return a share in percent.
+    """Return a share in percent; what is not all of it is not rounded to all.
 
     Parameters
     ----------
@@ -67,6 +68,8 @@ def percent(share: float) -> str:
     """
     if not math.isfinite(share):
         return "–"
+    if _NEARLY_ALL < share < 1.0:
+        return f"{math.floor(1000.0 * share) / 10.0:.1f}{_BLANK}%"
     return f"{100.0 * share:.0f}{_BLANK}%".replace("-", "−")
 
 

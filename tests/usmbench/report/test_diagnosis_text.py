@@ -66,6 +66,9 @@ def test_a_quantity_is_named_without_its_unit(name: str, unit: str, text: str) -
 
 def test_shares_and_probabilities() -> None:
     assert percent(0.854) == "85\N{NO-BREAK SPACE}%"
+    assert percent(0.9951) == "99.5\N{NO-BREAK SPACE}%"
+    assert percent(0.99999) == "99.9\N{NO-BREAK SPACE}%"
+    assert percent(1.0) == "100\N{NO-BREAK SPACE}%"
     assert percent(math.nan) == "–"
     assert probability(1e-9) == "< 0.0001"
     assert probability(0.034) == "0.034"
