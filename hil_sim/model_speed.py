@@ -10,9 +10,9 @@ from usmbench.errors import InputError
 from usmbench.model.effects.base import Context
 from usmbench.model.extended import applied_effects, extended_run, through
 from usmbench.model.hammerstein import HammersteinModel
+from usmbench.model.mixed_curve import settled_speed
 from usmbench.model.operating_points import point_weights
-from usmbench.model.resonance_slope import MixedSlope, point_slopes
-from usmbench.model.simulate import MixedCurve
+from usmbench.model.resonance_slope import mixed_slope, point_slopes
 
 _AHEAD: Final = 64
 _REMEMBERED: Final = 20_000
@@ -106,9 +106,14 @@ class ModelSpeed:
         t_s, phase_deg, frequency_hz, torque_nm, driven = windows.T
         frequency_hz = np.where(driven > 0.0, frequency_hz, last.frequency_hz)
         weights, _ = point_weights(self._model.points, t_s.size, frequency_hz, torque_nm)
-        settled, detuning = self._curves([weight * driven for weight in weights])
+        weights = [weight * driven for weight in weights]
         context = Context(
-            t_s, self.window_s, phase_deg, settled, self._model.linear, detuning_rad_s=detuning
+            t_s,
+            self.window_s,
+            phase_deg,
+            settled_speed(self._model.points, weights),
+            self._model.linear,
+            detuning_rad_s=mixed_slope(self._slopes, weights),
         )
         shaft = [a for a in self._effects if a.effect.stage != "counter"]
         motion = extended_run(shaft, context).speed_rad_s
@@ -120,9 +125,3 @@ class ModelSpeed:
         if len(self._past) > 2 * _REMEMBERED:
             self._forgotten_rad += float(turned_rad[:_REMEMBERED].sum())
             del self._past[:_REMEMBERED]
-
-    def _curves(self, weights: list[NDArray[np.float64]]) -> tuple[MixedCurve, MixedSlope | None]:
-        """Settled speed and its change with the drive frequency, by the weights of the points."""
-        mixed, slopes = tuple(weights), self._slopes
-        detuning = None if slopes is None else MixedSlope(slopes, mixed)
-        return MixedCurve(self._model.points, mixed), detuning

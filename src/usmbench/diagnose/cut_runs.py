@@ -12,6 +12,7 @@ from usmbench.model.effects.base import Context
 from usmbench.model.extended import Applied, extended_run
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.linear import memory_windows
+from usmbench.model.mixed_curve import beyond_range
 from usmbench.model.operating_points import places_among, point_weights
 from usmbench.model.replay import middle_angle_rad
 from usmbench.model.resonance_slope import point_slopes
@@ -67,7 +68,7 @@ def cut_runs(
         weights, outside = point_weights(
             model.points, record.t_s.size, record.frequency_hz, record.torque_nm
         )
-        outside |= _beyond(model, weights, record.phase_deg)
+        outside |= beyond_range(model.points, weights, record.phase_deg)
         check_outside(record, outside, warnings)
         window_s = float(np.median(record.window_s))
         jumps = np.flatnonzero(np.diff(record.t_s) > _GAP * window_s) + 1
@@ -144,12 +145,3 @@ def _jump(settled_rad_s: Array, step_rad_s: Array, lag: NDArray[np.int64]) -> ND
     key = settled_rad_s + 1j * (step_rad_s + _FASTEST_RAD_S * lag)
     _, numbers = np.unique(np.round(key, 6), return_inverse=True)
     return np.asarray(numbers, dtype=np.int64)
-
-
-def _beyond(model: HammersteinModel, weights: Sequence[Array], phase_deg: Array) -> Mask:
-    """Rows whose phase lies beyond the range of a point that counts there."""
-    beyond = np.zeros(phase_deg.size, dtype=np.bool_)
-    for point, weight in zip(model.points, weights, strict=True):
-        low_deg, high_deg = point.phase_range_deg
-        beyond |= (weight != 0.0) & ((phase_deg < low_deg) | (phase_deg > high_deg))
-    return beyond

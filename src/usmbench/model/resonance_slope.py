@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.model.hammerstein import OperatingPoint
+from usmbench.model.mixed_curve import Mixed
 from usmbench.model.operating_points import slope_table
 
 Array = NDArray[np.float64]
@@ -74,37 +75,6 @@ class PointSlope:
         return slope
 
 
-@dataclass(frozen=True, slots=True)
-class MixedSlope:
-    """f ∂v/∂f row by row, mixed from those of the operating points.
-
-    Parameters
-    ----------
-    slopes
-        One a point.
-    weights
-        Weight of each point on each row, shape (N,) each.
-    """
-
-    slopes: tuple[PointSlope, ...]
-    weights: tuple[Array, ...]
-
-    def __call__(self, phase_deg: Array) -> Array:
-        """Return the change of each row's settled speed with the relative frequency, shape (N,).
-
-        Parameters
-        ----------
-        phase_deg
-            Phase of each row, shape (N,).
-        """
-        mixed = np.zeros(phase_deg.size)
-        for slope, weight in zip(self.slopes, self.weights, strict=True):
-            rows = weight != 0.0
-            if np.any(rows):
-                mixed[rows] += weight[rows] * slope.rad_s(phase_deg[rows])
-        return mixed
-
-
 def point_slopes(points: Sequence[OperatingPoint]) -> tuple[PointSlope, ...] | None:
     """Return the slope along the resonance at every operating point.
 
@@ -122,6 +92,21 @@ def point_slopes(points: Sequence[OperatingPoint]) -> tuple[PointSlope, ...] | N
     if table is None:
         return None
     return tuple(_fitted(points, i, row) for i, row in enumerate(table))
+
+
+def mixed_slope(slopes: Sequence[PointSlope] | None, weights: Sequence[Array]) -> Mixed | None:
+    """Return f ∂v/∂f row by row.
+
+    Parameters
+    ----------
+    slopes
+        As `point_slopes` returns them; None gives None.
+    weights
+        Weight of each point on each row, shape (N,) each.
+    """
+    if slopes is None:
+        return None
+    return Mixed(tuple(slope.rad_s for slope in slopes), tuple(weights))
 
 
 def _fitted(points: Sequence[OperatingPoint], i: int, row: Array) -> PointSlope:

@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 from usmbench.errors import InputError
 from usmbench.model.effects.base import Context
 from usmbench.model.extended import applied_effects, extended_run
-from usmbench.model.hammerstein import HammersteinModel, OperatingPoint
+from usmbench.model.hammerstein import HammersteinModel
+from usmbench.model.mixed_curve import beyond_range, settled_speed
 from usmbench.model.operating_points import point_weights
-from usmbench.model.resonance_slope import MixedSlope, point_slopes
+from usmbench.model.resonance_slope import mixed_slope, point_slopes
 
 Array = NDArray[np.float64]
 
@@ -91,61 +92,15 @@ def simulate(
     window_s = 1.0 if model.linear.window_s is None else model.linear.window_s
     if t_s is None:
         t_s = window_s * np.arange(1.0, phase_deg.size + 1.0)
-    curve = MixedCurve(model.points, tuple(weights))
-    slopes = point_slopes(model.points)
     context = Context(
         t_s,
         window_s,
         phase_deg,
-        curve,
+        settled_speed(model.points, weights),
         model.linear,
         angle_rad,
-        detuning_rad_s=None if slopes is None else MixedSlope(slopes, tuple(weights)),
+        detuning_rad_s=mixed_slope(point_slopes(model.points), weights),
     )
     run = extended_run(applied_effects(model.effects), context, measured_rad_s)
-    return Simulation(run.speed_rad_s, run.settled_rad_s, curve.outside(phase_deg), outside_point)
-
-
-@dataclass(frozen=True, slots=True)
-class MixedCurve:
-    """The static curve row by row, mixed from those of the operating points.
-
-    Parameters
-    ----------
-    points
-        The operating points.
-    weights
-        Weight of each point on each row, shape (N,) each.
-    """
-
-    points: tuple[OperatingPoint, ...]
-    weights: tuple[Array, ...]
-
-    def __call__(self, phase_deg: Array) -> Array:
-        """Return the settled speed of each row.
-
-        Parameters
-        ----------
-        phase_deg
-            Phase of each row, shape (N,).
-        """
-        settled_rad_s = np.zeros(phase_deg.size)
-        for point, weight in zip(self.points, self.weights, strict=True):
-            rows = weight != 0.0
-            if np.any(rows):
-                settled_rad_s[rows] += weight[rows] * point.curve.speed_rad_s(phase_deg[rows])
-        return settled_rad_s
-
-    def outside(self, phase_deg: Array) -> NDArray[np.bool_]:
-        """Return where a phase lies beyond a point's range.
-
-        Parameters
-        ----------
-        phase_deg
-            Phase of each row, shape (N,).
-        """
-        beyond = np.zeros(phase_deg.size, dtype=np.bool_)
-        for point, weight in zip(self.points, self.weights, strict=True):
-            low_deg, high_deg = point.phase_range_deg
-            beyond |= (weight != 0.0) & ((phase_deg < low_deg) | (phase_deg > high_deg))
-        return beyond
+    outside_phase = beyond_range(model.points, weights, phase_deg)
+    return Simulation(run.speed_rad_s, run.settled_rad_s, outside_phase, outside_point)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from usmbench.model.hammerstein import OperatingPoint, StaticCurve
-from usmbench.model.resonance_slope import MixedSlope, point_slopes
+from usmbench.model.resonance_slope import mixed_slope, point_slopes
 
 Array = NDArray[np.float64]
 STEPS_HZ = (-25.0, 0.0, 25.0)
@@ -63,7 +63,9 @@ def test_curves_that_are_right_keep_their_slope_at_each_point() -> None:
     assert slopes is not None
     rows = np.arange(PHASE_DEG.size)
     weights = tuple((rows % 3 == k).astype(float) for k in range(3))
-    mixed = MixedSlope(slopes, weights)(PHASE_DEG)
+    everywhere = mixed_slope(slopes, weights)
+    assert everywhere is not None
+    mixed = everywhere(PHASE_DEG)
     for k, slope in enumerate(slopes):
         own = slope.rad_s(PHASE_DEG)
         assert np.array_equal(mixed[rows % 3 == k], own[rows % 3 == k])
@@ -90,7 +92,9 @@ def _within(point: OperatingPoint, range_deg: tuple[float, float]) -> OperatingP
 
 
 def test_one_frequency_has_none() -> None:
-    assert point_slopes(points_off_by(np.zeros((3, KNOTS_DEG.size)))[:1]) is None
+    slopes = point_slopes(points_off_by(np.zeros((3, KNOTS_DEG.size)))[:1])
+    assert slopes is None
+    assert mixed_slope(slopes, [np.ones(5)]) is None
 
 
 @pytest.mark.parametrize("sign", [-1.0, 1.0])

@@ -1,7 +1,7 @@
 """The widths at which a sticking rotor is looked for."""
 
 import numpy as np
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from usmbench.model.effects.base import Context
@@ -9,10 +9,10 @@ from usmbench.model.effects.dead_zone_hysteresis import AtRest, Sticking
 from usmbench.model.hammerstein import LinearPart, StaticCurve
 
 WINDOW_S = 0.01
+KNOTS_DEG = np.linspace(-90.0, 90.0, 91)
 # Edges of the dead zone that differ, as those of a real motor do.
-CURVE = StaticCurve(
-    np.array([-90.0, -60.0, -14.0, 13.0, 60.0, 90.0]), np.array([-9.0, -7, 0, 0, 7, 9])
-)
+BEYOND_DEG = np.maximum(KNOTS_DEG - 13.0, 0.0) + np.minimum(KNOTS_DEG + 14.0, 0.0)
+CURVE = StaticCurve(KNOTS_DEG, 9.0 * np.tanh(BEYOND_DEG / 40.0))
 LINEAR = LinearPart(np.array([-0.05]), np.array([0.6, 0.35]), 0, WINDOW_S)
 
 
@@ -24,9 +24,10 @@ def context_of(levels_deg: list[float]) -> Context:
     return Context(t_s, WINDOW_S, phase_deg, CURVE.speed_rad_s, LINEAR)
 
 
+@settings(deadline=None, max_examples=50)
 @given(
     st.lists(st.integers(-90, 90), min_size=4, max_size=19, unique=True).filter(
-        lambda levels: max(map(abs, levels)) > 20
+        lambda levels: max(map(abs, levels)) > 30
     ),
     st.floats(0.05, 60.0),
     st.sampled_from([Sticking(), AtRest()]),
