@@ -26,10 +26,8 @@ def _windows(seed: int, count: int, above_rad_s: float, *, too_slow: bool) -> Lo
 
 
 def _stray(windows: LoneWindows, lowest_rad_s: float, next_rad_s: float) -> bool:
-    """Whether the lowest lone window, and no other, is likelier a stray one in twenty."""
-    fast = np.abs(windows.speed_rad_s)
-    lone = int(np.count_nonzero(windows.alone))
-    rates = []
+    """Whether the lone windows from one speed to the next are likelier strays, one in twenty."""
+    fast, rates = np.abs(windows.speed_rad_s), []
     for least_rad_s in (lowest_rad_s, next_rad_s):
         among = fast >= least_rad_s
         rates.append(np.mean(windows.alone[among]) * np.where(among, 1.0, 0.05))
@@ -38,11 +36,12 @@ def _stray(windows: LoneWindows, lowest_rad_s: float, next_rad_s: float) -> bool
     )
     left_out = np.count_nonzero(windows.alone & (fast < next_rad_s))
     # And either way for a stray, too slow for a loss.
-    return lone < 20 and left_out == 1 and without_it + np.log(0.5 / 0.95) > with_it
+    return bool(without_it + left_out * np.log(0.5 / 0.95) > with_it)
 
 
 @settings(deadline=None, max_examples=25)
 @example(seed=8, count=8, above=4.265625, lost=True)
+@example(seed=8, count=8, above=3.328125, lost=True)
 @given(
     seed=st.integers(0, 10_000),
     count=st.integers(8, 200),
@@ -60,7 +59,7 @@ def test_lost_counts_are_slow_and_fast_windows_alone(
         assert low <= value <= high
         fast = np.abs(windows.speed_rad_s[windows.alone])
         assert value > np.min(fast) - 0.1
-        # One of few is left out only where the rest are likelier without it.
+        # More are left out only where the rest are likelier without them.
         assert np.mean(fast < value) <= 0.05 or _stray(windows, float(np.min(fast)), high)
         assert losses.values["lost_rad_s"][1] == pytest.approx(0.6, abs=0.02)
 
