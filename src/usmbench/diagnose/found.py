@@ -88,6 +88,11 @@ class Found:
         return self.after.material and self.after.excess > max(trifle, scatter)
 
     @property
+    def on_a_grid(self) -> bool:
+        """Whether a name is fitted to where each phase falls: it says all, or by accident some."""
+        return any(applied.effect.jagged for applied in self.fit.effects)
+
+    @property
     def leaves_more(self) -> bool:
         """Whether the views show more of what is left than the names explain."""
         return self.after.p_value < PLAINLY and self.after.excess > self.explained
@@ -133,7 +138,7 @@ def _on_named(found: Found) -> Verdict:
     # Scatter is not smooth: what the views show of it is little.
     if chancy_of(found.fit.effects) and found.leaves_more:
         return _on_nothing_named(found)
-    if found.patched:
+    if found.patched or (says != "explained" and found.on_a_grid):
         return "unexplained"
     # Several that leave something are patches on what the library does not know.
     if says == "unexplained" or found.mostly_left or (says != "explained" and found.named[1:]):

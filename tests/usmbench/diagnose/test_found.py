@@ -64,6 +64,30 @@ def test_a_name_beside_something_smooth_that_has_none_is_a_patch(
     assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), None) == verdict
 
 
+@pytest.mark.parametrize(
+    ("name", "form", "values", "verdict"),
+    [
+        ("load_torque", "weight", {"one_sided_rad_s": 0.1}, "partly_explained"),
+        ("phase_quantisation", "rounded", {"step_deg": 1.0}, "unexplained"),
+    ],
+)
+def test_a_grid_of_phases_that_explains_some_is_an_accident(
+    name: str,
+    form: str,
+    values: dict[str, float],
+    verdict: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    problem = _judged(1.0)
+    cause = applied(name, form, **values)
+    fit = Fit((cause,), 200.0, 0.0)
+    named = [[Ranked(cause.effect, fit, 200.0, 0.0, 200.0)]]
+    before, after = (Whole(excess, 1e-6, problem.n_rows) for excess in (300.0, 90.0))
+    scored = Gain(0.1, 0.1, 0.05, 0.5, 0.5, 0.5)
+    monkeypatch.setattr("usmbench.diagnose.found.held_out_gain", lambda *_: scored)
+    assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), None) == verdict
+
+
 @pytest.mark.parametrize(("share", "verdict"), [(0.2, "no_discrepancy"), (0.3, "unexplained")])
 def test_what_has_no_name_counts_window_by_window(share: float, verdict: str) -> None:
     problem = _judged(1.0)
