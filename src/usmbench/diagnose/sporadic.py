@@ -28,6 +28,7 @@ from usmbench.model.extended import Applied
 Array = NDArray[np.float64]
 
 _FEWEST = 3  # far out without a neighbour: fewer may be knocks
+_TOLD = 2  # healthy runs have one now and then
 _AS_USUAL = 2.0  # times the rate of the identified runs: their plans differ
 _OF_COUNT = 0.25  # a counter is off by whole ones
 _OF_EFFECT = 3.0 * OFF  # what its form may be off by is no count
@@ -132,7 +133,7 @@ def left_unnamed(problem: Problem, effects: Sequence[Applied]) -> list[str]:
     ):
         far = np.abs(left) > PLAIN * problem.noise.level_rad_s(stretch)
         off_rad_s = np.abs(left[far & steady(stretch) & ~mask])
-        if off_rad_s.size:
+        if off_rad_s.size >= _TOLD:
             found.append(
                 f"{stretch.name}: windows of steady running that stand alone are not judged: "
                 f"{off_rad_s.size}, off by up to {np.max(off_rad_s):.3g} rad/s; no cause is named "
