@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
 from scipy.stats import poisson
 
 from usmbench.diagnose.chance import chancy_of, struck_by
@@ -149,9 +150,10 @@ def _alone(
     far = spiked(problem.stretches, left, problem.noise, near_steps=True, times=PLAIN * spread)
     far = off_steps(problem.stretches, left, far)
     least_rad_s = [_OF_COUNT * (s.context.count_rad_s or 0.0) for s in problem.stretches]
-    changes = problem.change_rad_s(effects)
+    # What an effect does may come a window sooner or later.
+    changes = [maximum_filter1d(np.abs(c), 3) for c in problem.change_rad_s(effects)]
     parts = zip(far, left, least_rad_s, changes, strict=True)
-    return [f & (np.abs(r) > np.maximum(least, _OF_EFFECT * np.abs(c))) for f, r, least, c in parts]
+    return [f & (np.abs(r) > np.maximum(least, _OF_EFFECT * c)) for f, r, least, c in parts]
 
 
 def _estimates(effect: SporadicEffect, found: Weighed) -> tuple[Estimate, ...]:

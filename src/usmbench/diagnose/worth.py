@@ -58,14 +58,31 @@ def worth_a_name(
 
 
 def _beyond_form(problem: Problem, before: Fit, longer: Fit, first: float, spread: float) -> bool:
-    """Whether the last of the effects brings more than the others' form may be off by."""
-    others = before
-    if [a.effect for a in before.effects] != [a.effect for a in longer.effects[:-1]]:
-        others = refine_widely(problem, replace(longer, effects=longer.effects[:-1]))
-    fits = others.effects, longer.effects
-    brings, kept = (_gained(p, *fits) for p in (problem, problem.doubting(others.effects)))
+    """Whether the last of the effects brings more than the others' form may be off by.
+
+    Where these are others than before, each of them has to.
+    """
+    same = [a.effect for a in before.effects] == [a.effect for a in longer.effects[:-1]]
+    if same:
+        return _earns_its_place(problem, before.effects, longer.effects, first, spread)
+    for k in range(len(longer.effects)):
+        rest = replace(longer, effects=longer.effects[:k] + longer.effects[k + 1 :])
+        others = refine_widely(problem, rest).effects
+        if not _earns_its_place(problem, others, longer.effects, first, spread):
+            return False
+    return True
+
+
+def _earns_its_place(
+    problem: Problem,
+    others: Sequence[Applied],
+    all_: Sequence[Applied],
+    first: float,
+    spread: float,
+) -> bool:
+    brings, kept = (_gained(p, others, all_) for p in (problem, problem.doubting(others)))
     # What is jagged is off where no smooth doubt covers it: at the phases that it leads to.
-    smooth = not any(applied.effect.jagged for applied in others.effects)
+    smooth = not any(applied.effect.jagged for applied in others)
     share = _SECOND_SHARE if smooth and kept > _ITSELF * brings else _MISFIT_SHARE
     return kept / spread**2 >= max(_SECOND_LEAST, share * first)
 

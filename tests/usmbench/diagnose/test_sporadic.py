@@ -30,6 +30,21 @@ def test_what_an_effect_may_be_off_by_is_no_false_count(scale_error: float, foun
     assert (sporadic is not None) == found
 
 
+@pytest.mark.parametrize(("window", "found"), [(10, True), (19, False)])
+def test_what_an_effect_does_may_come_a_window_sooner(window: int, found: bool) -> None:
+    model = identified()
+    effect = applied("phase_quantisation", "rounded", step_deg=30.0)
+    phase_deg = np.tile(np.repeat([30.0, 44.0], 20), 50)  # on the grid, and beside it
+    record = driven(phase_deg, 4, effect)
+    off = np.zeros(phase_deg.size)
+    off[400 + window :: 400] = 15.0 * NOISE_RAD_S
+    (stretch,), _ = cut_runs([replace(record, speed_rad_s=record.speed_rad_s + off)], model, ())
+    known = knowledge_of(model)
+    assert known.noise is not None
+    problem = Problem([stretch], known, known.noise, [stretch.use])
+    assert (find_sporadic(problem, [effect], 1.0) is not None) == found
+
+
 @pytest.mark.parametrize("by_chance", [True, False])
 def test_what_hangs_on_the_phase_is_no_chance(by_chance: bool) -> None:
     model = identified()

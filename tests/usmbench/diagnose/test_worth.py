@@ -78,3 +78,11 @@ def test_a_second_cause_has_to_bring_something_of_its_own(
     monkeypatch.setattr("usmbench.diagnose.worth._gained", lambda *_: brings)
     before, longer = _fit(problem, LATE), _fit(problem, LATE, WARMS)
     assert worth_a_name(problem, before, longer, np.array(EVERYWHERE), 1e3, 1.0) == worth
+
+
+@pytest.mark.parametrize(("first", "worth"), [(1e5, True), (1e7, False)])
+def test_of_two_that_are_weighed_anew_each_has_to_earn_its_place(
+    problem: Problem, first: float, worth: bool
+) -> None:
+    before, turned = _fit(problem, LATE), _fit(problem, WARMS, LATE)
+    assert worth_a_name(problem, before, turned, np.array(EVERYWHERE), first, 1.0) == worth
