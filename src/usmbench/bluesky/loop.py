@@ -51,7 +51,12 @@ class Measurement:
     row: WindowRow | None = None
 
 
-Request = tuple[Change | Measurement | None, DeviceStatus]
+class Acknowledgement:
+    """What tripped an interlock has been mended."""
+
+
+Wanted = Change | Measurement | Acknowledgement | None  # None: the drive off
+Request = tuple[Wanted, DeviceStatus]
 
 
 class BenchLoop:
@@ -91,7 +96,6 @@ class BenchLoop:
         self._failing: list[tuple[float, BenchError, DeviceStatus]] = []
         self._trip: BenchError | None = None
         self._broken = False
-        self._acknowledged = threading.Event()
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._run, name="usmbench bluesky", daemon=True)
 
@@ -167,8 +171,11 @@ class BenchLoop:
         return measurement
 
     def acknowledge(self) -> None:
-        """Say that what tripped an interlock has been mended: commands are taken again."""
-        self._acknowledged.set()
+        """Say that what tripped an interlock has been mended: commands are taken again.
+
+        What was asked for before still fails.
+        """
+        self._requests.put((Acknowledgement(), DeviceStatus()))
 
     def _run(self) -> None:
         try:
@@ -188,10 +195,6 @@ class BenchLoop:
 
     def _carry_out(self) -> None:
         """Carry out what was asked for since the last window."""
-        if self._acknowledged.is_set():
-            self._acknowledged.clear()
-            self._trip = None
-            self.ready.put(value=True, at_s=time.time())
         while not self._requests.empty():
             wanted, status = self._requests.get()
             try:
@@ -200,11 +203,14 @@ class BenchLoop:
                 status.end(error)
                 raise
 
-    def _answer(self, wanted: Change | Measurement | None, status: DeviceStatus) -> None:
+    def _answer(self, wanted: Wanted, status: DeviceStatus) -> None:
         if wanted is None:
             self._commands.rest()
             self._setting = replace(self._setting, phase_deg=0.0, drive_on=0)
             self._end_all()
+        elif isinstance(wanted, Acknowledgement):
+            self._trip = None
+            self.ready.put(value=True, at_s=time.time())
         elif self._trip is not None:
             self._fail_later(status, self._trip)
             return

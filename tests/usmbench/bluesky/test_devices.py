@@ -274,6 +274,18 @@ def test_what_an_interlock_ended_fails_though_it_is_acknowledged_at_once(open_be
             ended.wait(10.0)
 
 
+def test_what_is_asked_for_before_the_acknowledgement_fails(open_bench: Any) -> None:
+    with open_bench(overspeed_rad_s=5.0) as bench:
+        devices = bench.devices
+        devices.phase.set(90.0)
+        wait_for(lambda: devices.ready.get() is False)
+        early = devices.encoder.trigger()
+        devices.acknowledge()
+        with pytest.raises(InterlockError, match="over-speed"):
+            early.wait(10.0)
+        devices.encoder.trigger().wait(10.0)
+
+
 def test_a_measurement_that_is_stopped_ends_without_a_speed(open_bench: Any) -> None:
     with open_bench() as bench:
         devices = bench.devices
