@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 
 PHASE_NODES = 49
 _NUDGE = 1e-4  # of the slip at which the torque gives out, and of a window
+_STANDING = 0.01  # of the highest speed: in the dead zone a fitted curve is not exactly 0
 
 
 def phase_nodes(phase_deg: Array, speeds_rad_s: Sequence[Array]) -> tuple[float, ...]:
@@ -138,8 +139,23 @@ def highest_rad_s(stretch: Stretch) -> Array:
     return np.abs(context.settled_rad_s(np.full(context.n, top_deg)))
 
 
+def turning(stretch: Stretch) -> Array:
+    """Return 0 where friction holds the rotor, and 1 where it turns, shape (N,).
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    share = np.abs(stretch.settled_rad_s) / np.maximum(highest_rad_s(stretch), 1e-12)
+    turns: Array = np.minimum(share / _STANDING, 1.0)
+    return turns
+
+
 def detuned_rad_s(stretch: Stretch) -> Array:
     """Return the change of speed with the relative drive frequency, 0 where it is not known.
+
+    A little of it starts no rotor that friction holds.
 
     Parameters
     ----------
@@ -149,7 +165,7 @@ def detuned_rad_s(stretch: Stretch) -> Array:
     context, detuning_rad_s = stretch.context, stretch.context.detuning_rad_s
     if detuning_rad_s is None:
         return np.zeros(context.n)
-    return shown(stretch, detuning_rad_s(context.phase_deg))
+    return shown(stretch, turning(stretch) * detuning_rad_s(context.phase_deg))
 
 
 def later_rad_s_per_s(stretch: Stretch) -> Array:

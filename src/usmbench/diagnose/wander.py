@@ -7,7 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.shapes import detuned_rad_s, highest_rad_s, later_rad_s_per_s, shown
+from usmbench.diagnose.shapes import (
+    detuned_rad_s,
+    highest_rad_s,
+    later_rad_s_per_s,
+    shown,
+    turning,
+)
 from usmbench.diagnose.stretches import Stretch
 from usmbench.model.extended import Applied, extended_run
 
@@ -24,7 +30,6 @@ _STRONGER, _AS_STRONG = 0.1, 0.02
 _BEST_GAIN = 2e-4  # no bench repeats better than that
 _RESONANCE = 3e-6  # by which a fifth of a kelvin moves it: no bench starts warmer by less
 _STICKING = (0.0, 0.02, 0.05)  # shares of the highest speed: from, most, to
-_STANDING = 0.01  # of the highest speed: in the dead zone a fitted curve is not exactly 0
 _STEP = 0.1  # of a habit's size, for its derivative
 
 
@@ -157,7 +162,7 @@ def departures(stretch: Stretch, warms_rad_s: Array, habits: Sequence[Applied]) 
         What healthy runs show anyhow.
     """
     share = stretch.settled_rad_s / np.maximum(highest_rad_s(stretch), 1e-12)
-    against = -np.clip(share / _STANDING, -1.0, 1.0) * (1.0 - np.minimum(share**2, 1.0))
+    against = -np.sign(share) * turning(stretch) * (1.0 - np.minimum(share**2, 1.0))
     held_back = shown(stretch, np.column_stack(stretch.points) * against[:, None])
     stuck = -np.sign(share) * np.interp(np.abs(share), _STICKING, (0.0, 1.0, 0.0))
     gain = stretch.simulated_rad_s

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from usmbench.diagnose.cut_runs import cut_runs
-from usmbench.diagnose.shapes import shown, unmeasured_rad_s
+from usmbench.diagnose.shapes import detuned_rad_s, shown, unmeasured_rad_s
 from usmbench.diagnose.stretches import Stretch
 from usmbench.identify.dynamics import LagFamily
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
@@ -37,6 +37,25 @@ def test_a_small_change_moves_the_run_along_its_shape(slip_limit_rad_s: float | 
     moved = [free_run(linear, settled + 1e-5 * c, start) for c in changes.T]
     truth = (np.column_stack(moved) - free_run(linear, settled, start)[:, None]) / 1e-5
     assert shown(stretch, changes) == pytest.approx(truth, abs=1e-3)
+
+
+def test_a_little_detuning_starts_no_rotor_that_friction_holds() -> None:
+    def starting_at(corner_deg: float, frequency_hz: float) -> OperatingPoint:
+        nodes_deg = np.linspace(-90.0, 90.0, 121)
+        beyond_deg = np.maximum(np.abs(nodes_deg) - corner_deg, 0.0)
+        curve = StaticCurve(nodes_deg, np.copysign(0.2 * beyond_deg, nodes_deg))
+        return OperatingPoint(frequency_hz, None, curve, (-90.0, 90.0), (None, None), 0.01)
+
+    points = starting_at(45.0, 41000.0), starting_at(25.0, 41025.0)
+    phase_deg = np.linspace(-80.0, 80.0, N)
+    t_s = WINDOW_S * np.arange(1.0, N + 1.0)
+    hz = np.full(N, 41000.0)
+    record = Record("run", t_s, phase_deg, np.zeros(N), np.full(N, WINDOW_S), hz)
+    model = HammersteinModel(LAG.linear_part(WINDOW_S), points, "test")
+    (stretch,), _ = cut_runs([record], model, ())
+    moved = detuned_rad_s(stretch)
+    held, turns = np.abs(phase_deg) < 20.0, np.abs(phase_deg) > 70.0
+    assert np.max(np.abs(moved[held])) < 0.02 * np.min(np.abs(moved[turns]))
 
 
 def test_a_run_with_a_torque_limit_does_not_grow_in_proportion_to_the_gain() -> None:
