@@ -150,14 +150,25 @@ def hang_together(off_rad_s: Array, alone: Mask, order: NDArray[np.intp]) -> boo
     return bool(np.mean(alike[far]) > 0.5)
 
 
+def apart(residual: Array) -> tuple[Array, Array]:
+    """Return how far each row is from the three before it, and from the three after, shape (N,).
+
+    Parameters
+    ----------
+    residual
+        The residual, shape (N,).
+    """
+    padded = np.pad(residual, 3, mode="edge")
+    middle = np.median(sliding_window_view(padded, 3), axis=1)
+    return residual - middle[: residual.size], residual - middle[4:]
+
+
 def _alone(residual: Array, least: Array) -> Mask:
     """Rows far from those before and those after, and on one side of both, up to two in a row.
 
     A gain that is off leaves another error after a reversal than before it, and no spike.
     """
-    padded = np.pad(residual, 3, mode="edge")
-    middle = np.median(sliding_window_view(padded, 3), axis=1)
-    before, after = residual - middle[: residual.size], residual - middle[4:]
+    before, after = apart(residual)
     away = np.minimum(np.abs(before), np.abs(after))
     return np.asarray((away > least) & (before * after > 0.0), dtype=np.bool_)
 

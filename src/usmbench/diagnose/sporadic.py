@@ -15,6 +15,7 @@ from usmbench.diagnose.naming import SIGNIFICANT, TELLING
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.spikes import (
     PLAIN,
+    apart,
     hang_together,
     isolated,
     off_steps,
@@ -73,9 +74,11 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
         calm = [c & ~s for c, s in zip(calm, struck_by(problem, chancy), strict=True)]
     rows = np.concatenate(calm)
     far = _alone(problem, left, effects, spread)
+    off_rad_s = np.concatenate(list(left))[rows]
+    # A counter's steps leave every window of a hold off by the same part of a count.
     windows = LoneWindows(
         np.concatenate([s.simulated_rad_s for s in problem.stretches])[rows],
-        np.concatenate(list(left))[rows],
+        np.concatenate([np.mean(apart(r), axis=0) for r in left])[rows],
         np.concatenate(far)[rows],
         problem.stretches[0].context.window_s,
     )
@@ -88,7 +91,7 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
     phase_deg = np.concatenate([s.context.phase_deg for s in problem.stretches])[rows]
     by_phase = np.argsort(phase_deg, kind="stable")
     if not isolated(windows.alone, windows.speed_rad_s) or hang_together(
-        windows.deviation_rad_s, windows.alone, by_phase
+        off_rad_s, windows.alone, by_phase
     ):
         return None
     kinds = [effect for effect in library() if isinstance(effect, SporadicEffect)]
@@ -96,7 +99,7 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
     weighed.sort(key=lambda pair: -pair[1].log_likelihood)
     (effect, best), *others = weighed
     near = [e.name for e, w in others if 2.0 * (best.log_likelihood - w.log_likelihood) < TELLING]
-    square = windows.deviation_rad_s**2
+    square = off_rad_s**2
     share = float(np.sum(square[windows.alone])) / max(float(np.sum(square)), 1e-12)
     deviance = float(np.sum((square / level_rad_s**2)[windows.alone]))
     estimates = _estimates(effect, best)

@@ -60,6 +60,28 @@ def test_what_hangs_on_the_phase_is_no_chance(by_chance: bool) -> None:
     assert (find_sporadic(problem, (), 1.0) is not None) == by_chance
 
 
+def test_a_false_count_is_as_large_as_it_is_beside_its_neighbours() -> None:
+    model = identified()
+    draw = np.random.default_rng(6)
+    phase_deg = np.repeat(draw.uniform(30.0, 88.0, 100), 20)
+    record = driven(phase_deg, 4)
+    count_rad_s = 30.0 * NOISE_RAD_S
+    # What a hold's speed lacks to the whole count below or above.
+    part = np.repeat(draw.uniform(-0.4, 0.4, 100), 20) * count_rad_s
+    off = np.zeros(phase_deg.size)
+    off[13::20] = count_rad_s
+    measured = replace(record, speed_rad_s=record.speed_rad_s + part + off)
+    (stretch,), _ = cut_runs([measured], model, ())
+    known = knowledge_of(model)
+    assert known.noise is not None
+    problem = Problem([stretch], known, known.noise, [stretch.use])
+    sporadic = find_sporadic(problem, (), 1.0)
+    assert sporadic is not None
+    (size,) = [e for e in sporadic.named.parameters if e.name == "size_rad_s"]
+    assert size.low < count_rad_s < size.high
+    assert size.value == pytest.approx(count_rad_s, rel=0.02)
+
+
 @pytest.mark.parametrize(("n_off", "told"), [(1, False), (2, True), (12, False)])
 def test_windows_too_few_for_a_cause_are_not_left_unsaid(n_off: int, told: bool) -> None:
     phase_deg = np.repeat(np.random.default_rng(2).uniform(30.0, 88.0, 40), 20)

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
+from scipy.stats import binom, chi2
 
 from usmbench.model.effects.base import Array, Context, Effect
 
@@ -22,7 +22,7 @@ class LoneWindows:
     speed_rad_s
         Simulated speed.
     deviation_rad_s
-        Measured less simulated speed.
+        By how much more than in the windows beside it the measured speed is off the simulated one.
     alone
         Whether the window is far from its neighbours.
     window_s
@@ -53,17 +53,19 @@ class LoneWindows:
     def size_rad_s(self, among: NDArray[np.bool_]) -> Interval:
         """Return how far the windows that stand alone are off: low end, median, high end of 95 %.
 
+        The interval is that of the sign test, whatever the distribution; of fewer than six sizes
+        it is all of them.
+
         Parameters
         ----------
         among
             The windows to look at, shape (N,).
         """
-        sizes = np.abs(self.deviation_rad_s[self.alone & among])
+        sizes = np.sort(np.abs(self.deviation_rad_s[self.alone & among]))
         if sizes.size == 0:
             return 0.0, 0.0, 0.0
-        middle = float(np.median(sizes))
-        half = 1.96 * float(np.std(sizes)) / float(np.sqrt(sizes.size))
-        return max(middle - half, 0.0), middle, middle + half
+        outside = max(int(binom.ppf(0.025, sizes.size, 0.5)) - 1, 0)
+        return float(sizes[outside]), float(np.median(sizes)), float(sizes[-1 - outside])
 
 
 @dataclass(frozen=True, slots=True)

@@ -73,6 +73,18 @@ def test_a_rate_has_an_exact_interval() -> None:
     assert high == pytest.approx(42.83 / 30.0, abs=1e-3)
 
 
+@pytest.mark.parametrize("count", [6, 11, 40])
+def test_the_interval_of_a_size_holds_the_median_of_any_distribution(count: int) -> None:
+    draw, every = np.random.default_rng(count), np.ones(count, dtype=np.bool_)
+    held = []
+    for sizes in draw.exponential(1.0, (2000, count)):
+        windows = LoneWindows(np.ones(count), sizes, every, WINDOW_S)
+        low, _, high = windows.size_rad_s(every)
+        held.append(low <= np.log(2.0) <= high)
+    # At least 95 %, and few sizes leave no choice but more.
+    assert 0.94 < np.mean(held) < 0.995
+
+
 def test_nothing_that_stands_alone_speaks_for_no_lost_counts() -> None:
     windows = LoneWindows(np.ones(5), np.zeros(5), np.zeros(5, dtype=np.bool_), WINDOW_S)
     assert LostNowAndThen().weigh(windows).log_likelihood == -np.inf
