@@ -154,7 +154,7 @@ class Features:
         over_phase = list(hats(stretch.context.phase_deg, np.array(self.nodes_deg)))
         for weight in (*stretch.points, stretch.direction):
             off = [column * weight for column in over_phase]
-            yield from _felt(stretch.context.linear, np.column_stack(off)).T
+            yield from felt(stretch.context.linear, np.column_stack(off)).T
         yield from self._warming(stretch, speed)
         if self.steepest_rad_s is not None:
             # A shift that is there from the start is none of the phases': its sign differs
@@ -261,11 +261,18 @@ class Features:
         }
 
 
-def _felt(linear: LinearPart, off_rad_s: Array) -> Array:
+def felt(linear: LinearPart, off_rad_s: Array) -> Array:
     """Pass changes of the settled speed through the linear part, and drop what is left at last.
 
     Columns ought to be mostly zeros. A limit of the torque is left aside: its tangent takes a free
     run for each of them.
+
+    Parameters
+    ----------
+    linear
+        The linear part.
+    off_rad_s
+        The changes, shape (N, K).
     """
     felt = from_rest(linear.b, linear.a, linear.dead_time_windows, off_rad_s)
     return np.where(np.abs(felt) < _TRACE, 0.0, felt)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
+from usmbench.diagnose.between_nodes import between_nodes, deviations_rad_s
 from usmbench.diagnose.features import Features
 from usmbench.diagnose.noise import Noise, noise_from_mapping
 from usmbench.diagnose.shapes import phase_nodes
@@ -106,14 +107,17 @@ class Knowledge:
         free = self.root != 0.0
         shaped, ways = np.any(free, axis=1), np.any(free, axis=0)
         warms = np.where(self.features.warms, self.mean, 0.0)[shaped]
+        off_rad_s = deviations_rad_s(self.features, self.mean, self.root)
         found = []
         for s in stretches:
             none = np.empty((s.context.n, 0))
             shapes = np.column_stack([none, *compress(self.features.columns(s), shaped)])
             own = departures(s, self.features.warming(s, shapes @ warms), habits)
-            found.append(np.column_stack([shapes, *(own * (s.run == run) for run in runs)]))
+            between = between_nodes(s, self.features, off_rad_s)
+            found.append(np.column_stack([shapes, between, *(own * (s.run == r) for r in runs)]))
         apart = np.diag(np.tile(self.wander.deviations, len(runs)))
-        return found, block_diag(self.root[np.ix_(shaped, ways)], apart)
+        unsure = np.eye(int(np.count_nonzero(off_rad_s)))
+        return found, block_diag(self.root[np.ix_(shaped, ways)], unsure, apart)
 
     def to_mapping(self) -> dict[str, Any]:
         """Return what the model file keeps."""

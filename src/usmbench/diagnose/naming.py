@@ -28,6 +28,7 @@ TELLING = 9.2  # deviance between two causes that data can tell: 99 % of chi-squ
 # benchmarks/next_experiment.py), of much evidence an amount and what a form of an effect is off by.
 _SIMILAR = 0.15
 _MISFIT, _OFF = 50.0, 0.03
+_MOST_ALTERNATIVES = 7  # a name with more of them tells nothing
 _ONE_WAY = 2.0 * math.log(2.0)  # a parameter with one sign is given half the room beforehand
 _MATERIAL = 0.1  # of the noise's mean square
 _LEFT_EXPLAINED = 0.08
@@ -127,6 +128,17 @@ def alternatives(ranked: Sequence[Ranked]) -> tuple[str, ...]:
     near = telling_deviance(best.statistic)
     names = [r.effect.name for r in ranked[1:] if best.score - r.score < near]
     return tuple(dict.fromkeys(n for n in names if n != best.effect.name))
+
+
+def undecided(ranked: Sequence[Ranked]) -> bool:
+    """Return whether so many causes explain about as much that to name one tells nothing.
+
+    Parameters
+    ----------
+    ranked
+        The candidates, best first.
+    """
+    return len(alternatives(ranked)) > _MOST_ALTERNATIVES
 
 
 def nearest(ranked: Sequence[Ranked]) -> list[Ranked]:

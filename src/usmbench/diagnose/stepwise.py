@@ -16,6 +16,7 @@ from usmbench.diagnose.naming import (
     nearest,
     rank,
     same_shape,
+    undecided,
 )
 from usmbench.diagnose.problem import Basis, Problem
 from usmbench.diagnose.refining import refine_widely
@@ -78,7 +79,7 @@ def name_causes(
     """
     found, here, earned = Named([], NOTHING, spread), _news(problem, ranked, spread), np.zeros(1)
     while here and len(found.rankings) < _MOST_CAUSES:
-        if here[0].p_value >= CLEAR or here[0].score <= 0.0:
+        if here[0].p_value >= CLEAR or here[0].score <= 0.0 or undecided(here):
             break
         before = found.rankings
         if len(before) == 1:

@@ -2,8 +2,10 @@
 
 import pytest
 
-from usmbench.diagnose.naming import Whole, verdict
+from usmbench.diagnose.fitting import NOTHING
+from usmbench.diagnose.naming import Ranked, Whole, undecided, verdict
 from usmbench.diagnose.result import Verdict
+from usmbench.model.effects.registry import library
 
 N_ROWS = 1000
 
@@ -21,3 +23,14 @@ N_ROWS = 1000
 def test_a_name_stands_beside_a_trifle(excess: float, p_value: float, says: Verdict) -> None:
     before, after = Whole(200.0, 0.0, N_ROWS), Whole(excess, p_value, N_ROWS)
     assert verdict(before, after, 40.0) == says
+
+
+@pytest.mark.parametrize(("leads_by", "tells"), [(0.0, False), (20.0, True)])
+def test_a_cause_that_any_other_may_stand_for_is_none(leads_by: float, tells: bool) -> None:
+    causes = {effect.name: effect for effect in library()}
+    scores = [15.0 + leads_by * (k == 0) for k in range(len(causes))]
+    ranked = [
+        Ranked(effect, NOTHING, score, 4e-3, score)
+        for effect, score in zip(causes.values(), scores, strict=True)
+    ]
+    assert undecided(ranked) != tells

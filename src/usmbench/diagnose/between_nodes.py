@@ -1,0 +1,71 @@
+"""What a curve's known error may be between two of the phases at which it is kept."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.diagnose.features import Features, felt
+from usmbench.diagnose.stretches import Stretch
+
+Array = NDArray[np.float64]
+
+_BY_CHANCE = 2.0  # standard deviations by which a slope may turn at a node
+_TRIFLE = 2e-4  # of the highest speed
+_KINK = 0.25  # a slope that turns by s within h leaves a straight line across by up to s h / 4
+
+
+def deviations_rad_s(features: Features, mean: Array, root: Array) -> Array:
+    """Return how far off a straight line between two nodes may be at each operating point.
+
+    Parameters
+    ----------
+    features
+        What the model may leave.
+    mean, root
+        How much of each shape it leaves, and in which ways that may differ; shapes (K,), (K, K).
+
+    Returns
+    -------
+    numpy.ndarray
+        Standard deviations halfway between two nodes, shape (points, nodes − 1); 0 where the slope
+        turns at neither of them by more than by chance.
+    """
+    width_deg = np.diff(features.nodes_deg)
+    n = width_deg.size + 1
+    slope = np.diff(np.eye(n), axis=0) / width_deg[:, None]
+    turn = np.diff(slope, axis=0)
+    off = []
+    for k in range(features.n_points):
+        own = slice(k * n, (k + 1) * n)
+        by_chance = np.linalg.norm(turn @ root[own], axis=1)
+        turns = np.maximum(np.abs(turn @ mean[own]) - _BY_CHANCE * by_chance, 0.0)
+        bends = _KINK * turns * np.minimum(width_deg[:-1], width_deg[1:])
+        off.append(np.maximum(np.r_[bends, 0.0], np.r_[0.0, bends]))
+    return np.where(np.array(off) > _TRIFLE * features.top_rad_s, off, 0.0)
+
+
+def between_nodes(stretch: Stretch, features: Features, off_rad_s: Array) -> Array:
+    """Return what a curve may be off by between nodes, in columns of one standard deviation.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    features
+        What the model may leave.
+    off_rad_s
+        As `deviations_rad_s` returns them.
+
+    Returns
+    -------
+    numpy.ndarray
+        One column each for those that are not 0, shape (N, B).
+    """
+    nodes_deg, phase_deg = np.array(features.nodes_deg), stretch.context.phase_deg
+    left = np.clip(np.searchsorted(nodes_deg, phase_deg, side="right") - 1, 0, nodes_deg.size - 2)
+    share = np.clip((phase_deg - nodes_deg[left]) / np.diff(nodes_deg)[left], 0.0, 1.0)
+    arch = 4.0 * share * (1.0 - share)
+    columns = [
+        off_rad_s[k, i] * arch * stretch.points[k] * (left == i) for k, i in np.argwhere(off_rad_s)
+    ]
+    settled = np.column_stack([np.empty((phase_deg.size, 0)), *columns])
+    return felt(stretch.context.linear, settled)
