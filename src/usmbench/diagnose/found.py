@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.chance import chancy_of, leaves_scatter
 from usmbench.diagnose.fitting import Fit
-from usmbench.diagnose.gain import held_out_gain
 from usmbench.diagnose.naming import PLAINLY, Ranked, Whole, verdict
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.remainder import LOUD
@@ -19,7 +18,6 @@ Array = NDArray[np.float64]
 _MOST_NAMED = 2  # where a third earns its place, too, it is more likely that none is the cause
 # What has no name is a finding only from half the noise's rms on; a name must earn its own place.
 _LEAST_EXCESS = 0.25
-_LEAST_GAIN = 0.01  # of the held-out mean square above the noise
 _MOST_LEFT = 0.4  # as a share; what verdict() calls partly explained ends there, too
 _GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by a tenth
 _TRIFLE = 0.01  # of what there was: what a form of an effect may be off by
@@ -136,7 +134,7 @@ def _on_named(found: Found) -> Verdict:
     if len(found.named) > _MOST_NAMED:
         return "unexplained"
     # Scatter is not smooth: what the views show of it is little.
-    if chancy_of(found.fit.effects) and found.leaves_more:
+    if found.leaves_more and (chancy_of(found.fit.effects) or not found.mostly_left):
         return _on_nothing_named(found)
     if found.patched or (says != "explained" and found.on_a_grid):
         return "unexplained"
@@ -144,8 +142,5 @@ def _on_named(found: Found) -> Verdict:
     if says == "unexplained" or found.mostly_left or (says != "explained" and found.named[1:]):
         if not leaves_scatter(found.problem, found.fit.effects):
             return "unexplained"
-        says = "partly_explained"
-    # Where unseen blocks come out no better, what is left is the matter.
-    if says != "explained" and held_out_gain(found.problem, found.fit).gain < _LEAST_GAIN:
-        return "unexplained"
+        return "partly_explained"
     return says

@@ -7,7 +7,6 @@ from known_motor import NOISE_RAD_S, applied, driven, identified
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.fitting import Fit
 from usmbench.diagnose.found import Found, verdict_on
-from usmbench.diagnose.gain import Gain
 from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.naming import Ranked, Whole
 from usmbench.diagnose.problem import Problem
@@ -36,19 +35,29 @@ def test_a_noise_that_has_grown_to_a_finding_is_left_by_a_name(
 
 
 @pytest.mark.parametrize(
-    ("gain", "verdict"), [(0.5, "partly_explained"), (0.0, "unexplained")], ids=["some", "none"]
+    ("left", "verdict"), [(450.0, "partly_explained"), (950.0, "unexplained")], ids=["less", "more"]
 )
-def test_scatter_excuses_no_name_that_gains_nothing_unseen(
-    gain: float, verdict: str, monkeypatch: pytest.MonkeyPatch
+def test_scatter_excuses_a_name_beside_less_than_it_explains(
+    left: float, verdict: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     problem = _judged(1.4)  # and so much scatter that what the views show is little of it
     lost = applied("missed_counts", "of all", share_lost=0.05, above_rad_s=9.0)
     fit = Fit((lost,), 900.0, 0.0)
     named = [[Ranked(lost.effect, fit, 900.0, 0.0, 900.0)]]
-    before, after = (Whole(excess, 0.0, problem.n_rows) for excess in (1000.0, 450.0))
-    scored = Gain(0.1, 0.1, 0.05, gain, gain, gain)
+    before, after = (Whole(excess, 0.0, problem.n_rows) for excess in (1000.0, left))
     monkeypatch.setattr("usmbench.diagnose.found.leaves_scatter", lambda *_: True)
-    monkeypatch.setattr("usmbench.diagnose.found.held_out_gain", lambda *_: scored)
+    assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), None) == verdict
+
+
+@pytest.mark.parametrize(
+    ("left", "verdict"), [(30.0, "partly_explained"), (70.0, "no_discrepancy")]
+)
+def test_a_name_that_explains_less_than_it_leaves_is_none(left: float, verdict: str) -> None:
+    problem = _judged(1.0)
+    weight = applied("load_torque", "weight", one_sided_rad_s=0.01)
+    fit = Fit((weight,), 60.0, 0.0)
+    named = [[Ranked(weight.effect, fit, 60.0, 1e-6, 60.0)]]
+    before, after = (Whole(excess, 1e-5, problem.n_rows) for excess in (120.0, left))
     assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), None) == verdict
 
 
@@ -72,19 +81,13 @@ def test_a_name_beside_something_smooth_that_has_none_is_a_patch(
     ],
 )
 def test_a_grid_of_phases_that_explains_some_is_an_accident(
-    name: str,
-    form: str,
-    values: dict[str, float],
-    verdict: str,
-    monkeypatch: pytest.MonkeyPatch,
+    name: str, form: str, values: dict[str, float], verdict: str
 ) -> None:
     problem = _judged(1.0)
     cause = applied(name, form, **values)
     fit = Fit((cause,), 200.0, 0.0)
     named = [[Ranked(cause.effect, fit, 200.0, 0.0, 200.0)]]
     before, after = (Whole(excess, 1e-6, problem.n_rows) for excess in (300.0, 90.0))
-    scored = Gain(0.1, 0.1, 0.05, 0.5, 0.5, 0.5)
-    monkeypatch.setattr("usmbench.diagnose.found.held_out_gain", lambda *_: scored)
     assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), None) == verdict
 
 

@@ -9,7 +9,6 @@ import pytest
 from known_motor import NOISE_RAD_S, WINDOW_S, applied, driven, identified, measured
 from usmbench.diagnose import found as found_module
 from usmbench.diagnose import stepwise
-from usmbench.diagnose.gain import held_out_gain
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.errors import InputError
 from usmbench.model.extended import Applied
@@ -168,16 +167,6 @@ def test_several_causes_that_leave_something_have_no_name(
 ) -> None:
     monkeypatch.setattr(found_module, "verdict", lambda *_: "partly_explained")
     assert diagnose([measured(12, *_THREE[:n_named])], model).verdict == says
-
-
-def test_a_cause_that_leaves_something_and_gains_nothing_has_no_name(
-    model: HammersteinModel, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(found_module, "verdict", lambda *_: "partly_explained")
-    monkeypatch.setattr(
-        found_module, "held_out_gain", lambda *args: replace(held_out_gain(*args), gain=0.0)
-    )
-    assert diagnose([measured(12, _THREE[0])], model).verdict == "unexplained"
 
 
 def test_a_cause_that_looks_a_little_like_two_others_is_not_named(model: HammersteinModel) -> None:
