@@ -134,7 +134,7 @@ def _on_named(found: Found) -> Verdict:
     if len(found.named) > _MOST_NAMED:
         return "unexplained"
     # Scatter is not smooth: what the views show of it is little.
-    if found.leaves_more and (chancy_of(found.fit.effects) or not found.mostly_left):
+    if chancy_of(found.fit.effects) and found.leaves_more:
         return _on_nothing_named(found)
     if found.patched or (says != "explained" and found.on_a_grid):
         return "unexplained"

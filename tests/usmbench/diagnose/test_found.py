@@ -49,18 +49,6 @@ def test_scatter_excuses_a_name_beside_less_than_it_explains(
     assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), None) == verdict
 
 
-@pytest.mark.parametrize(
-    ("left", "verdict"), [(30.0, "partly_explained"), (70.0, "no_discrepancy")]
-)
-def test_a_name_that_explains_less_than_it_leaves_is_none(left: float, verdict: str) -> None:
-    problem = _judged(1.0)
-    weight = applied("load_torque", "weight", one_sided_rad_s=0.01)
-    fit = Fit((weight,), 60.0, 0.0)
-    named = [[Ranked(weight.effect, fit, 60.0, 1e-6, 60.0)]]
-    before, after = (Whole(excess, 1e-5, problem.n_rows) for excess in (120.0, left))
-    assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), None) == verdict
-
-
 @pytest.mark.parametrize(("share", "verdict"), [(0.05, "explained"), (0.15, "unexplained")])
 def test_a_name_beside_something_smooth_that_has_none_is_a_patch(
     share: float, verdict: str
