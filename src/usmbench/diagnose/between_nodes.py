@@ -3,7 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.features import Features, felt
+from usmbench.diagnose.features import Features
+from usmbench.diagnose.shapes import felt
 from usmbench.diagnose.stretches import Stretch
 
 Array = NDArray[np.float64]

@@ -27,26 +27,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.noise import KINDS, LAGS, step_kind
+from usmbench.diagnose.noise import LAGS
 from usmbench.diagnose.shapes import (
     PHASE_NODES,
     detuned_rad_s,
+    felt,
     hats,
     highest_rad_s,
     widening,
 )
+from usmbench.diagnose.step_columns import (
+    CELLS,
+    N_NEAR_STANDSTILL,
+    after_steps,
+    near_standstill,
+)
 from usmbench.diagnose.stretches import Stretch
-from usmbench.model.hammerstein import LinearPart
-from usmbench.model.linear import from_rest
 
 Array = NDArray[np.float64]
 
 _TIME_NODES, _EDGE_NODES = 8, 4
-_TRACE = 1e-4  # of what a change begins with
-_CELLS = (7, 5, 3, 2, 2, 2)  # nodes along each speed at each lag
-_DENSER = 2.5  # how much denser these are near standstill, where friction holds the rotor
-# Speeds near standstill, as shares of the highest: a rotor that sticks starts with a jump.
-_CREEP = (0.0, 0.006, 0.012, 0.02, 0.03, 0.05, 0.08)
 _REACH = 0.25  # share of the known time by which a line in time is carried on
 _LAG_GROUPS = tuple(f"lag {k}" for k in range(LAGS))
 GROUPS = (
@@ -117,8 +117,8 @@ class Features:
             2,
             0 if self.steepest_rad_s is None else _TIME_NODES + 3,
             _EDGE_NODES - 1,
-            *((1 + self.n_places) * n * n for n in _CELLS),
-            (1 + self.n_places) * KINDS * (len(_CREEP) - 2) + 1,
+            *((1 + self.n_places) * n * n for n in CELLS),
+            (1 + self.n_places) * N_NEAR_STANDSTILL + 1,
             4,
         ]
         return [g for g, n in zip(GROUPS, counts, strict=True) for _ in range(n)]
@@ -167,8 +167,8 @@ class Features:
             yield moved * np.cumsum(vibration**2 - 1.0) * stretch.context.window_s / self.end_s
         wider = widening(stretch)
         yield from (column * wider for column in self._over_time(stretch, _EDGE_NODES))
-        yield from self._after_steps(stretch)
-        yield from self._near_standstill(stretch)
+        yield from after_steps(stretch, self.top_rad_s)
+        yield from near_standstill(stretch, self.top_rad_s)
         yield wider * stretch.direction * np.sign(stretch.context.phase_deg)
         angle_rad = stretch.context.angle_rad
         for harmonic in (1, 2):
@@ -196,28 +196,6 @@ class Features:
         for k, column in enumerate(hats(t, np.linspace(0.0, 1.0, n_nodes))):
             if k > 0:
                 yield column + {n_nodes - 2: -1.0, n_nodes - 1: 1.0}.get(k, 0.0) * beyond
-
-    def _after_steps(self, stretch: Stretch) -> Iterator[Array]:
-        """Yield the steps by the speeds that they lead from and to."""
-        after = np.clip(stretch.settled_rad_s / self.top_rad_s, -1.0, 1.0)
-        before = np.clip(after - stretch.step_rad_s / self.top_rad_s, -1.0, 1.0)
-        for lag, n_nodes in enumerate(_CELLS):
-            even = np.linspace(-1.0, 1.0, n_nodes)
-            nodes = np.sign(even) * np.abs(even) ** _DENSER
-            step = stretch.step_rad_s * (stretch.lag == lag)
-            ends = list(hats(after, nodes))
-            for place in (1.0, *stretch.places):
-                for start in hats(before, nodes):
-                    yield from (place * step * start * end for end in ends)
-
-    def _near_standstill(self, stretch: Stretch) -> Iterator[Array]:
-        """Yield speeds lost near standstill, by the kind of the last step."""
-        settled = stretch.settled_rad_s
-        kind = step_kind(stretch)
-        near = list(hats(np.abs(settled) / self.top_rad_s, np.array(_CREEP)))[1:-1]
-        for place in (1.0, *stretch.places):
-            for lost in near:
-                yield from (place * np.sign(settled) * lost * (kind == k) for k in range(KINDS))
 
     def combined(self, stretch: Stretch, coefficients: Array) -> Array:
         """Return the columns' sum with coefficients, shape (N,).
@@ -259,20 +237,3 @@ class Features:
             "steepest_rad_s": self.steepest_rad_s,
             "unmeasured_rad_s": list(self.unmeasured_rad_s),
         }
-
-
-def felt(linear: LinearPart, off_rad_s: Array) -> Array:
-    """Pass changes of the settled speed through the linear part, and drop what is left at last.
-
-    Columns ought to be mostly zeros. A limit of the torque is left aside: its tangent takes a free
-    run for each of them.
-
-    Parameters
-    ----------
-    linear
-        The linear part.
-    off_rad_s
-        The changes, shape (N, K).
-    """
-    felt = from_rest(linear.b, linear.a, linear.dead_time_windows, off_rad_s)
-    return np.where(np.abs(felt) < _TRACE, 0.0, felt)

@@ -8,12 +8,14 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.stretches import Stretch
 from usmbench.model.effects.first_order import later
+from usmbench.model.hammerstein import LinearPart
 from usmbench.model.linear import free_run, from_rest
 
 Array = NDArray[np.float64]
 
 PHASE_NODES = 49
 _NUDGE = 1e-4  # of the slip at which the torque gives out, and of a window
+_TRACE = 1e-4  # of what a change begins with
 _STANDING = 0.01  # of the highest speed: in the dead zone a fitted curve is not exactly 0
 
 
@@ -81,6 +83,23 @@ def hats(values: Array, nodes: Array) -> Iterator[Array]:
     share = np.clip((values - nodes[left]) / (nodes[left + 1] - nodes[left]), 0.0, 1.0)
     for k in range(nodes.size):
         yield np.where(left == k, 1.0 - share, 0.0) + np.where(left == k - 1, share, 0.0)
+
+
+def felt(linear: LinearPart, off_rad_s: Array) -> Array:
+    """Pass changes of the settled speed through the linear part, and drop what is left at last.
+
+    Columns ought to be mostly zeros. A limit of the torque is left aside: its tangent takes a free
+    run for each of them.
+
+    Parameters
+    ----------
+    linear
+        The linear part.
+    off_rad_s
+        The changes, shape (N, K).
+    """
+    felt = from_rest(linear.b, linear.a, linear.dead_time_windows, off_rad_s)
+    return np.where(np.abs(felt) < _TRACE, 0.0, felt)
 
 
 def shown(stretch: Stretch, settled_rad_s: Array) -> Array:
