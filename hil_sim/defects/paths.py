@@ -24,11 +24,14 @@ class DrivePath:
     renew_s
         Period after which the voltages have to be formed again though no command came; infinite
         where they stay.
+    in_register
+        Whether it happens within a generator's register, and so before all else.
     """
 
     formed: Callable[[float, Drive], Drive]
     delay_s: float = 0.0
     renew_s: float = math.inf
+    in_register: bool = False
 
 
 class CountPath(Protocol):
@@ -46,7 +49,7 @@ class WiredPlant:
     plant
         Motor, shaft, disc.
     drive_paths
-        From the generators on, in this order.
+        From the generators on, in this order, registers first.
     count_paths
         From the disc on, in this order.
     """
@@ -58,7 +61,7 @@ class WiredPlant:
         count_paths: Sequence[CountPath] = (),
     ):
         self._plant = plant
-        self._drive_paths = tuple(drive_paths)
+        self._drive_paths = tuple(sorted(drive_paths, key=lambda path: not path.in_register))
         self._count_paths = tuple(count_paths)
         self._delay_s = sum(path.delay_s for path in drive_paths)
         self._renew_s = min((path.renew_s for path in drive_paths), default=math.inf)

@@ -46,4 +46,4 @@ class MissingPhaseBits(Defect):
             signed = kept - steps if kept >= steps // 2 else kept
             return replace(drive, phase_deg=signed * 360.0 / steps)
 
-        return DrivePath(formed)
+        return DrivePath(formed, in_register=True)

@@ -28,7 +28,7 @@ TELLING = 9.2  # deviance between two causes that data can tell: 99 % of chi-squ
 # benchmarks/next_experiment.py), of much evidence an amount and what a form of an effect is off by.
 _SIMILAR = 0.15
 _MISFIT, _OFF = 50.0, 0.03
-_MOST_ALTERNATIVES = 7  # a name with more of them tells nothing
+_MOST_ALTERNATIVES = 5  # a name with more of them tells nothing
 _ONE_WAY = 2.0 * math.log(2.0)  # a parameter with one sign is given half the room beforehand
 _MATERIAL = 0.1  # of the noise's mean square
 _LEFT_EXPLAINED = 0.08

@@ -90,7 +90,7 @@ def extended_run(
     Parameters
     ----------
     effects
-        The effects; those of one stage act in the order given.
+        The effects; those of one stage act in the order given, the early ones first.
     context
         The stretch.
     measured_rad_s
@@ -150,9 +150,9 @@ def through(effects: Sequence[Applied], stage: Stage, signal: Array, context: Co
     context
         The stretch.
     """
-    for applied in effects:
-        if applied.effect.stage == stage:
-            signal = applied.effect.apply(signal, context, applied.values)
+    own = [applied for applied in effects if applied.effect.stage == stage]
+    for applied in sorted(own, key=lambda applied: not applied.effect.early):
+        signal = applied.effect.apply(signal, context, applied.values)
     return signal
 
 

@@ -89,6 +89,14 @@ def test_missing_bits_cut_the_phase_down_to_a_coarse_grid() -> None:
     )
 
 
+def test_a_register_is_short_whatever_is_said_first() -> None:
+    grid_deg, late = 360.0 / 4096.0 * 2**7, "amplifier_delay=677.5"
+    shifted = speed_rad_s(phase_deg=5.0 * grid_deg - 10.0)
+    for defects in (("missing_phase_bits=7", late), (late, "missing_phase_bits=7")):
+        speed = speed_rad_s(*defects, phase_deg=5.9 * grid_deg)
+        assert speed == pytest.approx(shifted, rel=2e-3)
+
+
 def test_sticky_friction_starts_later_than_it_stops() -> None:
     def moved_at(phases_deg: Sequence[float]) -> list[bool]:
         plant, moved = defective_plant(QUIET, [parse_defect("sticky_friction=150")]), []

@@ -120,6 +120,7 @@ class Effect(ABC):
     needs: ClassVar[tuple[str, ...]] = ()
     by_chance: ClassVar[bool] = False  # the windows it acts on keep a scatter of its own
     jagged: ClassVar[bool] = False  # values a little apart change other windows; none has a size
+    early: ClassVar[bool] = False  # the other effects of its stage act on what it leaves
     sporadic: ClassVar[bool] = False  # it acts on single windows; see `SporadicEffect`
 
     @abstractmethod

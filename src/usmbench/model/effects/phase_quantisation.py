@@ -43,6 +43,7 @@ class RoundedPhase(Effect):
     mend = _MEND
     stage = "command"
     jagged = True
+    early = True  # in the register: what shifts the drive voltages does so behind it
     parameters = (Parameter("step_deg", "deg", 0.0, 0.0, _COARSEST_DEG, 1.0, scanned=True),)
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:

@@ -13,6 +13,7 @@ from usmbench.model.effects import dead_zone_hysteresis, encoder_eccentricity, s
 from usmbench.model.effects.base import Context
 from usmbench.model.effects.coupling_backlash import CouplingBacklash
 from usmbench.model.effects.first_order import first_order, lag_and_delay_s
+from usmbench.model.effects.phase_offset import PhaseOffset
 from usmbench.model.effects.phase_quantisation import RoundedPhase, TruncatedPhase
 from usmbench.model.effects.shaft_compliance import ShaftCompliance, SwingingLoad
 from usmbench.model.effects.transport_delay import TransportDelay
@@ -84,6 +85,19 @@ def test_a_register_rounds_or_cuts_off() -> None:
     cut = TruncatedPhase().apply(phase_deg, _context(4), {"step_deg": 4.0})
     assert np.allclose(rounded, [-8.0, 0.0, 4.0, 12.0])
     assert np.allclose(cut, [-8.0, 0.0, 0.0, 8.0])
+
+
+def test_what_shifts_the_voltages_acts_behind_the_register() -> None:
+    context = replace(_context(50), phase_deg=np.linspace(-40.0, 40.0, 50))
+    rounded = Applied(RoundedPhase(), {"step_deg": 5.0})
+    late = Applied(PhaseOffset(), {"offset_deg": 2.4})
+    runs = [
+        extended_run(order, context).speed_rad_s for order in ((rounded, late), (late, rounded))
+    ]
+    grid_deg = 5.0 * np.rint(context.phase_deg / 5.0)
+    truth = extended_run((), replace(context, phase_deg=grid_deg + 2.4)).speed_rad_s
+    assert np.array_equal(runs[0], truth)
+    assert np.array_equal(runs[1], truth)
 
 
 @settings(deadline=None, max_examples=30)
