@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 # What a further cause has to bring in deviance though the form of those before it is in doubt: what
 # patches bring, see "two causes" in benchmarks/naming_campaign.py, and a share of the first.
 _SECOND_LEAST, _SECOND_SHARE = 50.0, 3e-4
+# Less of one that the doubt leaves as it is, the less the smaller the first is.
+_CLEAR_LEAST, _CLEAR_SHARE = 20.0, 2.5e-3
 # Of what it brings; a cause that keeps less looks like a misfit of those before it, and has to
 # bring more than a form that is off by as much as forms are.
 _ITSELF, _MISFIT_SHARE = 0.9, OFF**2
@@ -81,10 +83,12 @@ def _earns_its_place(
     spread: float,
 ) -> bool:
     brings, kept = (_gained(p, others, all_) for p in (problem, problem.doubting(others)))
+    itself = kept > _ITSELF * brings
     # What is jagged is off where no smooth doubt covers it: at the phases that it leads to.
     smooth = not any(applied.effect.jagged for applied in others)
-    share = _SECOND_SHARE if smooth and kept > _ITSELF * brings else _MISFIT_SHARE
-    return kept / spread**2 >= max(_SECOND_LEAST, share * first)
+    share = _SECOND_SHARE if smooth and itself else _MISFIT_SHARE
+    least = max(_CLEAR_LEAST, _CLEAR_SHARE * first) if itself else _SECOND_LEAST
+    return kept / spread**2 >= max(min(least, _SECOND_LEAST), share * first)
 
 
 def _gained(problem: Problem, before: Sequence[Applied], after: Sequence[Applied]) -> float:

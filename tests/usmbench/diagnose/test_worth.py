@@ -71,13 +71,29 @@ def test_a_cause_that_may_be_a_misfit_of_the_first_is_asked_for_more(
     assert worth_a_name(problem, before, longer, np.array(EVERYWHERE), first, 1.0) == worth
 
 
-@pytest.mark.parametrize(("brings", "worth"), [(30.0, False), (50.0, True)])
+@pytest.mark.parametrize(
+    ("brings", "kept", "first", "worth"),
+    [
+        (30.0, 1.0, 1e3, True),
+        (15.0, 1.0, 1e3, False),
+        (30.0, 1.0, 2e4, False),
+        (50.0, 1.0, 2e4, True),
+        (50.0, 0.8, 1e3, False),
+        (70.0, 0.8, 1e3, True),
+    ],
+)
 def test_a_second_cause_has_to_bring_something_of_its_own(
-    problem: Problem, monkeypatch: pytest.MonkeyPatch, brings: float, worth: bool
+    problem: Problem,
+    monkeypatch: pytest.MonkeyPatch,
+    brings: float,
+    kept: float,
+    first: float,
+    worth: bool,
 ) -> None:
-    monkeypatch.setattr("usmbench.diagnose.worth._gained", lambda *_: brings)
+    found = iter([brings, kept * brings])
+    monkeypatch.setattr("usmbench.diagnose.worth._gained", lambda *_: next(found))
     before, longer = _fit(problem, LATE), _fit(problem, LATE, WARMS)
-    assert worth_a_name(problem, before, longer, np.array(EVERYWHERE), 1e3, 1.0) == worth
+    assert worth_a_name(problem, before, longer, np.array(EVERYWHERE), first, 1.0) == worth
 
 
 @pytest.mark.parametrize(("first", "worth"), [(1e5, True), (1e7, False)])
