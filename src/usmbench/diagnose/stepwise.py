@@ -13,6 +13,7 @@ from usmbench.diagnose.naming import (
     CLEAR,
     TELLING,
     Ranked,
+    alternatives,
     nearest,
     rank,
     same_shape,
@@ -23,7 +24,7 @@ from usmbench.diagnose.refining import refine_widely
 from usmbench.diagnose.robust import huber_weights
 from usmbench.diagnose.scanning import fit_effect, sharpen
 from usmbench.diagnose.views import omnibus
-from usmbench.diagnose.worth import worth_a_name
+from usmbench.diagnose.worth import First, worth_a_name
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
 
@@ -105,7 +106,10 @@ def _first_worth(
 
     Of causes that explain about as much, one may not hold on rows that its fit has not seen.
     """
-    first = found.rankings[0][0].statistic if found.rankings else 0.0
+    first = First()
+    if found.rankings:
+        disputed = any(alternatives(ranking) for ranking in found.rankings)
+        first = First(found.rankings[0][0].statistic, disputed)
     for best in (r for r in nearest(ranked) if r.p_value < CLEAR):
         longer = refine_widely(problem, best.fit)
         drop = held_out_drop(problem, longer)

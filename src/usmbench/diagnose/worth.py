@@ -1,7 +1,7 @@
 """Whether what a further cause explains is worth a name."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 # What a further cause has to bring in deviance though the form of those before it is in doubt: what
 # patches bring, see "two causes" in benchmarks/naming_campaign.py, and a share of the first.
 _SECOND_LEAST, _SECOND_SHARE = 50.0, 3e-4
-# Less of one that the doubt leaves as it is, the less the smaller the first is.
+# Less of one that the doubt leaves as it is beside a first that is small, and no other.
 _CLEAR_LEAST, _CLEAR_SHARE = 20.0, 2.5e-3
 # Of what it brings; a cause that keeps less looks like a misfit of those before it, and has to
 # bring more than a form that is off by as much as forms are.
@@ -29,8 +29,25 @@ _GAINED, _APART = 10.0, 5  # deviance of a row beyond chance; rows without betwe
 _MOST_OF_ROW = 100.0  # deviance: ten times the noise
 
 
+@dataclass(frozen=True, slots=True)
+class First:
+    """The first cause.
+
+    Parameters
+    ----------
+    evidence
+        What it brings, in deviance over the noise's spread; 0 where there is none.
+    disputed
+        Whether other causes may stand for it, or for one named since: what it leaves is then what
+        they part in.
+    """
+
+    evidence: float = 0.0
+    disputed: bool = False
+
+
 def worth_a_name(
-    problem: Problem, before: Fit, longer: Fit, unseen: Array, first: float, spread: float
+    problem: Problem, before: Fit, longer: Fit, unseen: Array, first: First, spread: float
 ) -> bool:
     """Return whether what a further cause explains is worth a name.
 
@@ -43,7 +60,7 @@ def worth_a_name(
     unseen
         Deviance that it takes from blocks that its fit has not seen, by fold, shape (F,).
     first
-        What the first cause brings, in deviance over the noise's spread; 0 where it is the first.
+        The first cause.
     spread
         Standard deviation of the whitened noise, at least 1.
     """
@@ -59,7 +76,7 @@ def worth_a_name(
     return _effective(gained) >= _FEWEST_ROWS or _places(problem, gained) >= _FEWEST_PLACES
 
 
-def _beyond_form(problem: Problem, before: Fit, longer: Fit, first: float, spread: float) -> bool:
+def _beyond_form(problem: Problem, before: Fit, longer: Fit, first: First, spread: float) -> bool:
     """Whether the last of the effects brings more than the others' form may be off by.
 
     Where these are others than before, each of them has to.
@@ -79,7 +96,7 @@ def _earns_its_place(
     problem: Problem,
     others: Sequence[Applied],
     all_: Sequence[Applied],
-    first: float,
+    first: First,
     spread: float,
 ) -> bool:
     brings, kept = (_gained(p, others, all_) for p in (problem, problem.doubting(others)))
@@ -87,8 +104,10 @@ def _earns_its_place(
     # What is jagged is off where no smooth doubt covers it: at the phases that it leads to.
     smooth = not any(applied.effect.jagged for applied in others)
     share = _SECOND_SHARE if smooth and itself else _MISFIT_SHARE
-    least = max(_CLEAR_LEAST, _CLEAR_SHARE * first) if itself else _SECOND_LEAST
-    return kept / spread**2 >= max(min(least, _SECOND_LEAST), share * first)
+    least = _SECOND_LEAST
+    if itself and not first.disputed:
+        least = min(least, max(_CLEAR_LEAST, _CLEAR_SHARE * first.evidence))
+    return kept / spread**2 >= max(least, share * first.evidence)
 
 
 def _gained(problem: Problem, before: Sequence[Applied], after: Sequence[Applied]) -> float:

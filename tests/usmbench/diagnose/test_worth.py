@@ -8,7 +8,7 @@ from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.fitting import NOTHING, Fit
 from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.problem import Problem
-from usmbench.diagnose.worth import worth_a_name
+from usmbench.diagnose.worth import First, worth_a_name
 from usmbench.model.extended import Applied
 
 LATE = applied("transport_delay", "", delay_s=0.006)
@@ -41,7 +41,7 @@ def test_a_further_cause_is_asked_for_more(
     problem: Problem, unseen: list[float], first: float, worth: bool
 ) -> None:
     before, longer = _fit(problem, LATE), _fit(problem, LATE, WARMS)
-    assert worth_a_name(problem, before, longer, np.array(unseen), first, 1.0) == worth
+    assert worth_a_name(problem, before, longer, np.array(unseen), First(first), 1.0) == worth
 
 
 @pytest.mark.parametrize(("unseen", "worth"), [(ONE_PLACE, True), ([0.0, 0.0, 300.0, -1.0], False)])
@@ -49,7 +49,7 @@ def test_a_first_cause_may_hold_unevenly_but_not_in_one_place_alone(
     problem: Problem, unseen: list[float], worth: bool
 ) -> None:
     fit = _fit(problem, LATE)
-    assert worth_a_name(problem, NOTHING, fit, np.array(unseen), 0.0, 1.0) == worth
+    assert worth_a_name(problem, NOTHING, fit, np.array(unseen), First(), 1.0) == worth
 
 
 GRID = applied("phase_quantisation", "rounded", step_deg=3.0)
@@ -68,18 +68,19 @@ def test_a_cause_that_may_be_a_misfit_of_the_first_is_asked_for_more(
     found = iter([brings, kept * brings])
     monkeypatch.setattr("usmbench.diagnose.worth._gained", lambda *_: next(found))
     first = 200.0 * brings  # of which a form that is a tenth off leaves twice as much
-    assert worth_a_name(problem, before, longer, np.array(EVERYWHERE), first, 1.0) == worth
+    assert worth_a_name(problem, before, longer, np.array(EVERYWHERE), First(first), 1.0) == worth
 
 
 @pytest.mark.parametrize(
     ("brings", "kept", "first", "worth"),
     [
-        (30.0, 1.0, 1e3, True),
-        (15.0, 1.0, 1e3, False),
-        (30.0, 1.0, 2e4, False),
-        (50.0, 1.0, 2e4, True),
-        (50.0, 0.8, 1e3, False),
-        (70.0, 0.8, 1e3, True),
+        (30.0, 1.0, First(1e3), True),
+        (15.0, 1.0, First(1e3), False),
+        (30.0, 1.0, First(1e3, disputed=True), False),
+        (30.0, 1.0, First(2e4), False),
+        (50.0, 1.0, First(2e4), True),
+        (50.0, 0.8, First(1e3), False),
+        (70.0, 0.8, First(1e3), True),
     ],
 )
 def test_a_second_cause_has_to_bring_something_of_its_own(
@@ -87,7 +88,7 @@ def test_a_second_cause_has_to_bring_something_of_its_own(
     monkeypatch: pytest.MonkeyPatch,
     brings: float,
     kept: float,
-    first: float,
+    first: First,
     worth: bool,
 ) -> None:
     found = iter([brings, kept * brings])
@@ -101,4 +102,4 @@ def test_of_two_that_are_weighed_anew_each_has_to_earn_its_place(
     problem: Problem, first: float, worth: bool
 ) -> None:
     before, turned = _fit(problem, LATE), _fit(problem, WARMS, LATE)
-    assert worth_a_name(problem, before, turned, np.array(EVERYWHERE), first, 1.0) == worth
+    assert worth_a_name(problem, before, turned, np.array(EVERYWHERE), First(first), 1.0) == worth
