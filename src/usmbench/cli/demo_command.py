@@ -11,6 +11,7 @@ from usmbench.cli.bench_session import SIMULATED
 from usmbench.cli.main import main
 from usmbench.errors import BenchError, InputError
 from usmbench.model.model_file import read_model
+from usmbench.report.diagnosis_text import percent
 from usmbench.runs.meta import read_meta
 from usmbench.runs.reader import read_run
 
@@ -113,11 +114,13 @@ def _step(*words: object, untold: tuple[str, ...] = ()) -> None:
 
 def _comparison(hidden: str, found: dict[str, Any]) -> str:
     """Say what was hidden beside what was found."""
-    names = ", ".join(cause["name"] for cause in found["causes"]) or "no cause"
+    names = ", ".join(cause["name"] for cause in found["causes"])
+    hid = f"Hidden in the second run: {hidden}, which shows as {HIDDEN[hidden]}.\n"
+    if not names:
+        return f"{hid}Found: no cause."
+    removed = percent(found["gain"])
     return (
-        f"Hidden in the second run: {hidden}, which shows as {HIDDEN[hidden]}.\n"
-        f"Found: {names}; knowing it removes {100.0 * found['gain']:.0f} % of the held-out error "
-        "above the noise."
+        f"{hid}Found: {names}; knowing it removes {removed} of the held-out error above the noise."
     )
 
 

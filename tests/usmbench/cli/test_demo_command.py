@@ -38,7 +38,7 @@ def test_what_is_hidden_is_found_and_all_files_are_left(
     folder = tmp_path / "demo"
     assert main(["demo", "--out", str(folder)]) == 0
     said = capsys.readouterr().out
-    assert re.search(r"Found: speed_scale(,.*)?; knowing it removes (\d+) %", said)
+    assert re.search(r"Found: speed_scale(,.*)?; knowing it removes ([\d.]+)\s%", said)
     assert {path.name for path in folder.iterdir()} == {
         *demo_command.RUNS,
         *demo_command.WRITTEN,
@@ -56,6 +56,21 @@ def test_what_is_hidden_is_found_and_all_files_are_left(
             check=False,
         )
         assert checked.returncode == 0, checked.stdout
+
+
+@pytest.mark.parametrize(
+    ("causes", "gain", "says"),
+    [
+        ([{"name": "transport_delay"}], 0.9952, r"transport_delay; knowing it removes 99\.5\s% of"),
+        ([], None, "no cause"),
+    ],
+)
+def test_what_is_left_is_not_rounded_away(
+    causes: list[dict[str, str]], gain: float | None, says: str
+) -> None:
+    hidden = next(iter(demo_command.HIDDEN))
+    said = demo_command._comparison(hidden, {"causes": causes, "gain": gain})
+    assert re.search(rf"{hidden}.*\nFound: {says}", said)
 
 
 @pytest.mark.parametrize("name", ["holiday.jpg", "model.yml"])
