@@ -65,8 +65,7 @@ def between_nodes(stretch: Stretch, features: Features, off_rad_s: Array) -> Arr
     left = np.clip(np.searchsorted(nodes_deg, phase_deg, side="right") - 1, 0, nodes_deg.size - 2)
     share = np.clip((phase_deg - nodes_deg[left]) / np.diff(nodes_deg)[left], 0.0, 1.0)
     arch = 4.0 * share * (1.0 - share)
-    columns = [
-        off_rad_s[k, i] * arch * stretch.points[k] * (left == i) for k, i in np.argwhere(off_rad_s)
-    ]
+    at = np.argwhere(off_rad_s)
+    columns = [arch * stretch.points[k] * (left == i) for k, i in at]
     settled = np.column_stack([np.empty((phase_deg.size, 0)), *columns])
-    return felt(stretch.context.linear, settled)
+    return felt(stretch.context.linear, settled) * off_rad_s[tuple(at.T)]

@@ -100,8 +100,9 @@ def _diagnosed(
         sporadic = None
     says = verdict_on(found, sporadic)
     told = tuple(warnings)
-    if sporadic is None:
-        told += tuple(left_unnamed(found.problem, found.fit.effects))
+    stands = says in ("explained", "partly_explained")
+    if sporadic is None or not stands:
+        told += tuple(left_unnamed(found.problem, found.fit.effects if stands else ()))
     return _report(found, sporadic, says, model, testable, tuple(refused.items()), told)
 
 

@@ -54,3 +54,4 @@ def test_it_acts_between_these_nodes_alone(stretches: list[Stretch]) -> None:
     share = (phase_deg - low_deg) / (high_deg - low_deg)
     arch = np.where(inside, 0.8 * share * (1.0 - share), 0.0)
     assert column[settled] == pytest.approx(arch[settled], abs=2e-3)
+    assert between_nodes(stretch, features, 1e-3 * off_rad_s)[:, 0] == pytest.approx(1e-3 * column)
