@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from bluesky.protocols import Hints
 from event_model import PartialEvent
 
-from usmbench.bluesky.loop import BenchLoop, Measurement
+from usmbench.bluesky.loop import BenchLoop
+from usmbench.bluesky.requests import Measurement
 from usmbench.bluesky.signals import Keys, Readings, data_key
 from usmbench.bluesky.status import DeviceStatus
 from usmbench.errors import BenchError

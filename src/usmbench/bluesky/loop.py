@@ -5,9 +5,11 @@ import threading
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
+from usmbench.bluesky.late_failures import LateFailures
+from usmbench.bluesky.requests import Acknowledgement, Change, Measurement, Request, Wanted
 from usmbench.bluesky.signals import Signal, data_key
 from usmbench.bluesky.status import DeviceStatus
 from usmbench.errors import BenchError, InterlockError, LostCountsError
@@ -20,43 +22,8 @@ from usmbench.sweep.rows import WindowRow
 from usmbench.sweep.settling import Settling
 from usmbench.sweep.window_reader import WindowReader
 
-# A suspender hears of a tripped interlock first and has this long to suspend the plan; without one
-# what is under way then fails.
-GRACE_S: Final = 0.5
 # A window, a command with all its repeats, and a busy machine.
 _STOP_TIMEOUT_S: Final = 5.0
-
-Change = Callable[[Setting], Setting]
-
-
-@dataclass(slots=True)
-class Measurement:
-    """A dwell's speed, under way or done.
-
-    Parameters
-    ----------
-    dwell
-        When it counts as settled.
-    status
-        Done when the measurement is.
-    settling
-        The speeds so far.
-    row
-        The last window of it.
-    """
-
-    dwell: DwellSettings
-    status: DeviceStatus
-    settling: Settling
-    row: WindowRow | None = None
-
-
-class Acknowledgement:
-    """What tripped an interlock has been mended."""
-
-
-Wanted = Change | Measurement | Acknowledgement | None  # None: the drive off
-Request = tuple[Wanted, DeviceStatus]
 
 
 class BenchLoop:
@@ -93,7 +60,7 @@ class BenchLoop:
         self._reader = WindowReader(source, self._commands, settings, settings.interlocks)
         self._requests: queue.SimpleQueue[Request] = queue.SimpleQueue()
         self._measurement: Measurement | None = None
-        self._failing: list[tuple[float, BenchError, DeviceStatus]] = []
+        self._failures = LateFailures()
         self._trip: BenchError | None = None
         self._broken = False
         self._closing = threading.Event()
@@ -173,9 +140,9 @@ class BenchLoop:
     def acknowledge(self) -> None:
         """Say that what tripped an interlock has been mended: commands are taken again.
 
-        What was asked for before still fails.
+        What was asked for before still fails, and one that trips meanwhile holds.
         """
-        self._requests.put((Acknowledgement(), DeviceStatus()))
+        self._requests.put((Acknowledgement(self._trip), DeviceStatus()))
 
     def _run(self) -> None:
         try:
@@ -209,10 +176,11 @@ class BenchLoop:
             self._setting = replace(self._setting, phase_deg=0.0, drive_on=0)
             self._end_all()
         elif isinstance(wanted, Acknowledgement):
-            self._trip = None
-            self.ready.put(value=True, at_s=time.time())
+            if wanted.trip is self._trip:
+                self._trip = None
+                self.ready.put(value=True, at_s=time.time())
         elif self._trip is not None:
-            self._fail_later(status, self._trip)
+            self._failures.add(status, self._trip)
             return
         elif isinstance(wanted, Measurement):
             if self._measurement is not None:
@@ -243,7 +211,7 @@ class BenchLoop:
             listener(row, at_s)
         if measurement is not None and self._trip is None:
             self._finish(measurement, row)
-        self._fail_those_due()
+        self._failures.end_due()
 
     def _finish(self, measurement: Measurement, row: WindowRow) -> None:
         """End a measurement that has what it needs."""
@@ -265,17 +233,7 @@ class BenchLoop:
             self.ready.put(value=False, at_s=time.time())
         measurement, self._measurement = self._measurement, None
         if measurement is not None:
-            self._fail_later(measurement.status, error)
-
-    def _fail_later(self, status: DeviceStatus, error: BenchError) -> None:
-        self._failing.append((time.monotonic() + GRACE_S, error, status))
-
-    def _fail_those_due(self) -> None:
-        now_s = time.monotonic()
-        due = [failing for failing in self._failing if failing[0] <= now_s]
-        self._failing = [failing for failing in self._failing if failing[0] > now_s]
-        for _, error, status in due:
-            status.end(error)
+            self._failures.add(measurement.status, error)
 
     def _break_with(self, error: BenchError) -> None:
         self._trip = error
@@ -285,10 +243,9 @@ class BenchLoop:
     def _end_all(self, error: BenchError | None = None) -> None:
         """End what is under way: a plan taken up again may wait for it beside the new."""
         measurement, self._measurement = self._measurement, None
-        waiting = [status for _, _, status in self._failing]
-        self._failing.clear()
-        for status in [*waiting, *([measurement.status] if measurement else [])]:
-            status.end(error)
+        self._failures.end_all(error)
+        if measurement is not None:
+            measurement.status.end(error)
 
     def _refuse_all(self) -> None:
         """Answer what is asked once the loop has ended, until nobody asks any more."""
