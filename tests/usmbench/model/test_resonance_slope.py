@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -45,8 +45,9 @@ def exact_rad_s(phase_deg: Array) -> Array:
     return slopes[1].difference_rad_s(phase_deg)
 
 
+@settings(deadline=None)
 @given(st.integers(0, 10_000))
-def test_errors_of_curves_at_their_ends_and_corners_hardly_show(seed: int) -> None:
+def test_errors_of_curves_at_their_ends_hardly_show(seed: int) -> None:
     rng = np.random.default_rng(seed)
     few = np.abs(KNOTS_DEG) > 84.0
     points = points_off_by(np.where(few, rng.normal(0.0, 0.05, (3, KNOTS_DEG.size)), 0.0))

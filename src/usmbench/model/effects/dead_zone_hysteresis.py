@@ -44,8 +44,10 @@ class Sticking(Effect):
             return signal
         way = np.sign(signal)
         least_rad_s = standing_rad_s(context)
+        # Of two ways to wire a motor, one runs backwards at a positive phase.
+        outward = way * np.copysign(1.0, np.sum(context.phase_deg * signal))
         before_rad_s = context.settled_rad_s(
-            context.phase_deg - way * np.where(np.isin(way, self.sides), later_deg, 0.0)
+            context.phase_deg - outward * np.where(np.isin(way, self.sides), later_deg, 0.0)
         )
         starts = (np.abs(signal) > least_rad_s) & (way * before_rad_s > least_rad_s)
         stops = np.abs(signal) <= least_rad_s
@@ -63,7 +65,7 @@ class Sticking(Effect):
             All stretches.
         """
         # In a staircase of wide steps all starts may be right between two widths near each other.
-        few = sum(np.unique(c.phase_deg).size for c in contexts) <= _MANY_PHASES
+        few = np.unique(np.concatenate([c.phase_deg for c in contexts])).size <= _MANY_PHASES
         ends = np.unique(np.concatenate([_into_run_deg(c) if few else [] for c in contexts]))
         ends = ends[ends > 0.0]
         if not ends.size:

@@ -1,11 +1,14 @@
 """The widths at which a sticking rotor is looked for."""
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from usmbench.model.effects.base import Context
-from usmbench.model.effects.dead_zone_hysteresis import AtRest, Sticking
+from usmbench.model.effects.base import Context, Effect
+from usmbench.model.effects.dead_zone_hysteresis import FORMS, AtRest, Backwards, Forwards, Sticking
 from usmbench.model.hammerstein import LinearPart, StaticCurve
 
 WINDOW_S = 0.01
@@ -66,3 +69,23 @@ def test_where_the_phases_are_many_or_nothing_runs_a_few_widths_are_tried() -> N
         (tried,) = Sticking().grid([context]).values()
         assert tried.size == 30
         assert np.all(np.diff(tried) > 0.0)
+
+
+def test_the_phases_of_several_runs_are_counted_once() -> None:
+    context = context_of([float(level) for level in range(-90, 91, 5)])
+    one, five = (Sticking().grid([context] * n)["start_later_deg"] for n in (1, 5))
+    assert np.array_equal(one, five)
+
+
+@pytest.mark.parametrize("effect", FORMS, ids=lambda effect: effect.form)
+def test_a_motor_that_is_wired_the_other_way_sticks_as_far_out(effect: Effect) -> None:
+    context = context_of([-60.0, -25.0, -20.0, 0.0, 20.0, 25.0, 60.0])
+    turned = replace(context, settled_rad_s=lambda phase_deg: -CURVE.speed_rad_s(phase_deg))
+    values = {p.name: 22.0 for p in effect.parameters}
+    # What is backwards for the one is forwards for the other.
+    others: dict[type[Effect], Effect] = {Forwards: Backwards(), Backwards: Forwards()}
+    other = others.get(type(effect), effect)
+    plain = effect.apply(context.settled_rad_s(context.phase_deg), context, values)
+    found = other.apply(turned.settled_rad_s(turned.phase_deg), turned, values)
+    assert np.max(np.abs(plain - context.settled_rad_s(context.phase_deg))) > 0.1
+    assert np.array_equal(found, -plain)
