@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.features import Features
-from usmbench.diagnose.shapes import felt
+from usmbench.diagnose.shapes import felt, hats
 from usmbench.diagnose.stretches import Stretch
 
 Array = NDArray[np.float64]
@@ -61,11 +61,10 @@ def between_nodes(stretch: Stretch, features: Features, off_rad_s: Array) -> Arr
     numpy.ndarray
         One column each for those that are not 0, shape (N, B).
     """
-    nodes_deg, phase_deg = np.array(features.nodes_deg), stretch.context.phase_deg
-    left = np.clip(np.searchsorted(nodes_deg, phase_deg, side="right") - 1, 0, nodes_deg.size - 2)
-    share = np.clip((phase_deg - nodes_deg[left]) / np.diff(nodes_deg)[left], 0.0, 1.0)
-    arch = 4.0 * share * (1.0 - share)
+    phase_deg = stretch.context.phase_deg
+    near = list(hats(phase_deg, np.array(features.nodes_deg)))
     at = np.argwhere(off_rad_s)
-    columns = [arch * stretch.points[k] * (left == i) for k, i in at]
+    # Two hats that overlap are an arch between their nodes, a quarter high.
+    columns = [4.0 * near[i] * near[i + 1] * stretch.points[k] for k, i in at]
     settled = np.column_stack([np.empty((phase_deg.size, 0)), *columns])
     return felt(stretch.context.linear, settled) * off_rad_s[tuple(at.T)]

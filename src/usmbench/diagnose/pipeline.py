@@ -99,11 +99,7 @@ def _diagnosed(
     if sporadic is not None and sporadic.named.name in {r[0].effect.name for r in found.named}:
         sporadic = None
     says = verdict_on(found, sporadic)
-    told = tuple(warnings)
-    stands = says in ("explained", "partly_explained")
-    if sporadic is None or not stands:
-        told += tuple(left_unnamed(found.problem, found.fit.effects if stands else ()))
-    return _report(found, sporadic, says, model, testable, tuple(refused.items()), told)
+    return _report(found, sporadic, says, model, testable, tuple(refused.items()), tuple(warnings))
 
 
 def _report(
@@ -116,10 +112,12 @@ def _report(
     warnings: tuple[str, ...],
 ) -> Diagnosis:
     """Put everything together."""
-    problem = found.problem
-    named = found.named if says in ("explained", "partly_explained") else []
+    problem, stands = found.problem, says in ("explained", "partly_explained")
+    named = found.named if stands else []
     fit = found.fit if named else NOTHING
-    sporadic = sporadic if says in ("explained", "partly_explained") else None
+    sporadic = sporadic if stands else None
+    if sporadic is None:
+        warnings += tuple(left_unnamed(problem, fit.effects))
     effects = (*fit.effects, *(() if sporadic is None else (sporadic.applied,)))
     extended = replace(
         model, effects=(*model.effects, *(applied.to_mapping() for applied in effects))

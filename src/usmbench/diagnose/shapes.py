@@ -158,6 +158,18 @@ def highest_rad_s(stretch: Stretch) -> Array:
     return np.abs(context.settled_rad_s(np.full(context.n, top_deg)))
 
 
+def speed_share(stretch: Stretch) -> Array:
+    """Return the settled speed as a share of the highest at each row's operating point, shape (N,).
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    share: Array = stretch.settled_rad_s / np.maximum(highest_rad_s(stretch), 1e-12)
+    return share
+
+
 def turning(stretch: Stretch) -> Array:
     """Return 0 where friction holds the rotor, and 1 where it turns, shape (N,).
 
@@ -166,8 +178,7 @@ def turning(stretch: Stretch) -> Array:
     stretch
         The stretch.
     """
-    share = np.abs(stretch.settled_rad_s) / np.maximum(highest_rad_s(stretch), 1e-12)
-    turns: Array = np.minimum(share / _STANDING, 1.0)
+    turns: Array = np.minimum(np.abs(speed_share(stretch)) / _STANDING, 1.0)
     return turns
 
 

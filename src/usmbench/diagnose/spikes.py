@@ -150,17 +150,17 @@ def hang_together(off_rad_s: Array, alone: Mask, order: NDArray[np.intp]) -> boo
     return bool(np.mean(alike[far]) > 0.5)
 
 
-def apart(residual: Array) -> tuple[Array, Array]:
-    """Return how far each row is from the three before it, and from the three after, shape (N,).
+def apart(residual_rad_s: Array) -> tuple[Array, Array]:
+    """Return how far each row is from the three before and from the three after, in rad/s, (N,).
 
     Parameters
     ----------
-    residual
+    residual_rad_s
         The residual, shape (N,).
     """
-    padded = np.pad(residual, 3, mode="edge")
+    padded = np.pad(residual_rad_s, 3, mode="edge")
     middle = np.median(sliding_window_view(padded, 3), axis=1)
-    return residual - middle[: residual.size], residual - middle[4:]
+    return residual_rad_s - middle[: residual_rad_s.size], residual_rad_s - middle[4:]
 
 
 def _alone(residual: Array, least: Array) -> Mask:

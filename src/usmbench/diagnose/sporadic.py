@@ -67,12 +67,7 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
     spread
         Standard deviation of the whitened noise: in one that has grown, no window stands alone.
     """
-    left = problem.left_rad_s(effects)
-    calm = [steady(s) for s in problem.stretches]
-    chancy = chancy_of(effects)
-    if chancy:
-        calm = [c & ~s for c, s in zip(calm, struck_by(problem, chancy), strict=True)]
-    rows = np.concatenate(calm)
+    left, rows = problem.left_rad_s(effects), np.concatenate(_calm(problem, effects))
     far = _alone(problem, left, effects, spread)
     off_rad_s = np.concatenate(list(left))[rows]
     # A counter's steps leave every window of a hold off by the same part of a count.
@@ -82,23 +77,16 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
         np.concatenate(far)[rows],
         problem.stretches[0].context.window_s,
     )
-    level_rad_s = np.concatenate([problem.noise.level_rad_s(s) for s in problem.stretches])[rows]
-    count = int(np.count_nonzero(windows.alone))
-    usual = _AS_USUAL * problem.known.spikes_hz * windows.alone.size * windows.window_s
-    p_value = float(poisson.sf(count - 1, usual)) if usual > 0.0 else 0.0
-    if count < max(_FEWEST, usual) or p_value > SIGNIFICANT:
-        return None
+    p_value = _p_value(windows, problem.known.spikes_hz)
     phase_deg = np.concatenate([s.context.phase_deg for s in problem.stretches])[rows]
-    by_phase = np.argsort(phase_deg, kind="stable")
-    if not isolated(windows.alone, windows.speed_rad_s) or hang_together(
-        off_rad_s, windows.alone, by_phase
-    ):
+    if p_value > SIGNIFICANT or _no_chance(windows, off_rad_s, phase_deg):
         return None
     kinds = [effect for effect in library() if isinstance(effect, SporadicEffect)]
     weighed = [(effect, effect.weigh(windows)) for effect in kinds]
     weighed.sort(key=lambda pair: -pair[1].log_likelihood)
     (effect, best), *others = weighed
     near = [e.name for e, w in others if 2.0 * (best.log_likelihood - w.log_likelihood) < TELLING]
+    level_rad_s = np.concatenate([problem.noise.level_rad_s(s) for s in problem.stretches])[rows]
     square = off_rad_s**2
     share = float(np.sum(square[windows.alone])) / max(float(np.sum(square)), 1e-12)
     deviance = float(np.sum((square / level_rad_s**2)[windows.alone]))
@@ -144,6 +132,30 @@ def left_unnamed(problem: Problem, effects: Sequence[Applied]) -> list[str]:
                 "for them"
             )
     return found
+
+
+def _calm(problem: Problem, effects: Sequence[Applied]) -> list[Mask]:
+    """Rows on which nothing but the counter can make a window stand alone."""
+    calm, chancy = [steady(s) for s in problem.stretches], chancy_of(effects)
+    if not chancy:
+        return calm
+    return [c & ~s for c, s in zip(calm, struck_by(problem, chancy), strict=True)]
+
+
+def _p_value(windows: LoneWindows, spikes_hz: float) -> float:
+    """Probability of as many lone windows where nothing is wrong; 1 for too few to speak of."""
+    count = int(np.count_nonzero(windows.alone))
+    usual = _AS_USUAL * spikes_hz * windows.alone.size * windows.window_s
+    if count < max(_FEWEST, usual):
+        return 1.0
+    return float(poisson.sf(count - 1, usual)) if usual > 0.0 else 0.0
+
+
+def _no_chance(windows: LoneWindows, off_rad_s: Array, phase_deg: Array) -> bool:
+    """Whether windows stand alone where something else than chance decides."""
+    by_phase = np.argsort(phase_deg, kind="stable")
+    alone = windows.alone
+    return not isolated(alone, windows.speed_rad_s) or hang_together(off_rad_s, alone, by_phase)
 
 
 def _alone(

@@ -85,7 +85,7 @@ def name_causes(
         before = found.rankings
         if len(before) == 1:
             before, here = _together(problem, effects, found.spread, before[0], here)
-        worth = _first_worth(problem, found, here, earned)
+        worth = _first_worth(problem, found, before, here, earned)
         if worth is None:
             break
         here, longer, drop = worth
@@ -100,15 +100,20 @@ def name_causes(
 
 
 def _first_worth(
-    problem: Problem, found: Named, ranked: list[Ranked], earned: Array
+    problem: Problem,
+    found: Named,
+    before: Sequence[list[Ranked]],
+    ranked: list[Ranked],
+    earned: Array,
 ) -> tuple[list[Ranked], Fit, Array] | None:
     """Return the ranking begun with what is worth a name, its fit, and what that drops unseen.
 
-    Of causes that explain about as much, one may not hold on rows that its fit has not seen.
+    Of causes that explain about as much, one may not hold on rows that its fit has not seen. Those
+    found may have been weighed anew before it.
     """
     first = First()
     if found.rankings:
-        disputed = any(alternatives(ranking) for ranking in found.rankings)
+        disputed = any(alternatives(ranking) for ranking in (*found.rankings, *before))
         first = First(found.rankings[0][0].statistic, disputed)
     for best in (r for r in nearest(ranked) if r.p_value < CLEAR):
         longer = refine_widely(problem, best.fit)

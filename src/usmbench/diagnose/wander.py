@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.shapes import (
     detuned_rad_s,
-    highest_rad_s,
     later_rad_s_per_s,
     shown,
+    speed_share,
     turning,
 )
 from usmbench.diagnose.stretches import Stretch
@@ -161,7 +161,7 @@ def departures(stretch: Stretch, warms_rad_s: Array, habits: Sequence[Applied]) 
     habits
         What healthy runs show anyhow.
     """
-    share = stretch.settled_rad_s / np.maximum(highest_rad_s(stretch), 1e-12)
+    share = speed_share(stretch)
     against = -np.sign(share) * turning(stretch) * (1.0 - np.minimum(share**2, 1.0))
     held_back = shown(stretch, np.column_stack(stretch.points) * against[:, None])
     stuck = -np.sign(share) * np.interp(np.abs(share), _STICKING, (0.0, 1.0, 0.0))

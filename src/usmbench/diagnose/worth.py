@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 # What a further cause has to bring in deviance though the form of those before it is in doubt: what
 # patches bring, see "two causes" in benchmarks/naming_campaign.py, and a share of the first.
 _SECOND_LEAST, _SECOND_SHARE = 50.0, 3e-4
-# Less of one that the doubt leaves as it is beside a first that is small, and no other.
+# Less is asked beside a small first that no other may stand for, where the doubt leaves it whole.
 _CLEAR_LEAST, _CLEAR_SHARE = 20.0, 2.5e-3
 # Of what it brings; a cause that keeps less looks like a misfit of those before it, and has to
 # bring more than a form that is off by as much as forms are.
@@ -95,11 +95,11 @@ def _beyond_form(problem: Problem, before: Fit, longer: Fit, first: First, sprea
 def _earns_its_place(
     problem: Problem,
     others: Sequence[Applied],
-    all_: Sequence[Applied],
+    together: Sequence[Applied],
     first: First,
     spread: float,
 ) -> bool:
-    brings, kept = (_gained(p, others, all_) for p in (problem, problem.doubting(others)))
+    brings, kept = (_gained(p, others, together) for p in (problem, problem.doubting(others)))
     itself = kept > _ITSELF * brings
     # What is jagged is off where no smooth doubt covers it: at the phases that it leads to.
     smooth = not any(applied.effect.jagged for applied in others)

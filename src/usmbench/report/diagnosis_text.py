@@ -15,9 +15,9 @@ HEADLINES = {
 _SMALLEST_P = 1e-4
 _MOST_DECIMALS = 6
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_NEARLY_ALL = 0.99
 _UNITS = {"1": "", "deg": "°"}
 # How a name ends in its unit, where it is not the unit as it is written.
-_NEARLY_ALL = 0.99
 _ENDINGS = {"rad/s": "_rad_s", "N·m": "_nm", "1/s": "_hz", "Hz": "_hz", "°C": "_c", "%": "_percent"}
 # The only character without ink that a page has a use for beside the plain space.
 _BLANK = "\N{NO-BREAK SPACE}"

@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from usmbench.diagnose.between_nodes import between_nodes, deviations_rad_s
 from usmbench.diagnose.features import Features
@@ -18,10 +19,11 @@ FEATURES = Features(NODES_DEG, 10.0, 40.0)
 N_SHAPES = len(FEATURES.groups)
 
 
-def _kink(corner_deg: float, phase_deg: Sequence[float]) -> np.ndarray:
+def _kink(corner_deg: float, phase_deg: Sequence[float]) -> NDArray[np.float64]:
     return 0.1 * np.maximum(np.array(phase_deg) - corner_deg, 0.0)
 
 
+@settings(deadline=None)
 @given(st.floats(-60.0, 60.0))
 def test_a_corner_between_nodes_is_within_two_deviations(corner_deg: float) -> None:
     mean = np.zeros(N_SHAPES)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import sawtooth
 
-from known_motor import NOISE_RAD_S, applied, driven, identified
+from known_motor import NOISE_RAD_S, applied, driven, identified, measured
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.pipeline import diagnose
@@ -94,3 +94,13 @@ def test_windows_too_few_for_a_cause_are_not_left_unsaid(n_off: int, told: bool)
     assert len(warned) == told
     if told:
         assert f"not judged: 2, off by up to {25.0 * NOISE_RAD_S:.1g}" in warned[0]
+
+
+def test_where_something_has_no_name_lone_windows_are_told_too() -> None:
+    model, record = identified(), measured(25)
+    slower = 0.2 * np.exp(-((np.abs(record.speed_rad_s) - 5.0) ** 2)) * np.sign(record.speed_rad_s)
+    off = np.zeros(record.speed_rad_s.size)
+    off[502::100] = 40.0 * NOISE_RAD_S
+    found = diagnose([replace(record, speed_rad_s=record.speed_rad_s - slower + off)], model)
+    assert found.verdict == "unexplained"
+    assert [w for w in found.warnings if "stand alone" in w]
