@@ -121,7 +121,7 @@ def held(motor: Motor, applied: Applied) -> dict[str, bool] | None:
     found = search(stretches, knowledge_of(motor.model), (), forms)
     if [a.effect for a in found.fit.effects] != [applied.effect]:
         return None
-    (ranges,) = intervals(found.problem, found.fit)
+    (ranges,) = intervals(found.problem, found.fit, found.spread)
     return {p: low <= applied.values[p] <= high for p, (low, high) in ranges.items()}
 
 

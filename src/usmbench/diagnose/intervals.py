@@ -13,7 +13,7 @@ _EDGE_95 = 3.84  # 95 % of chi-squared with one degree of freedom
 _WIDER, _HALVINGS, _FOLLOWING = 16, 6, 2
 
 
-def intervals(problem: Problem, fit: Fit) -> list[dict[str, tuple[float, float]]]:
+def intervals(problem: Problem, fit: Fit, spread: float) -> list[dict[str, tuple[float, float]]]:
     """Return the 95 % interval of every parameter, by effect.
 
     Where nothing of an effect is scanned the deviance is taken for a parabola. What is scanned
@@ -25,12 +25,14 @@ def intervals(problem: Problem, fit: Fit) -> list[dict[str, tuple[float, float]]
         The problem.
     fit
         A refined fit.
+    spread
+        Standard deviation of the whitened noise, at least 1.
     """
-    joint = Joint(problem, fit.effects)
+    joint, rise = Joint(problem, fit.effects), _EDGE_95 * spread**2
     theta = joint.start
     if theta.size == 0:
         return [{} for _ in fit.effects]
-    half = _reach(joint.jacobian(theta), _EDGE_95)
+    half = _reach(joint.jacobian(theta), rise)
     low, high = theta.copy(), theta.copy()
     found, at = [], 0
     for applied in fit.effects:
@@ -41,7 +43,7 @@ def intervals(problem: Problem, fit: Fit) -> list[dict[str, tuple[float, float]]
         if not bent:
             low[own], high[own] = theta[own] - half[own], theta[own] + half[own]
         for k in bent:
-            nearest, farthest = _Profile(joint, theta, k).passed(half[k])
+            nearest, farthest = _Profile(joint, theta, k, rise).passed(half[k])
             rows = [k, *sizes]
             low[rows] = np.minimum(low[rows], nearest[rows])
             high[rows] = np.maximum(high[rows], farthest[rows])
@@ -61,14 +63,14 @@ def _reach(jacobian: Array, rise: float) -> Array:
 class _Profile:
     """The deviance over one parameter, the others at their best for each of its values."""
 
-    def __init__(self, joint: Joint, theta: Array, k: int):
-        self._joint, self._theta, self._k = joint, theta, k
+    def __init__(self, joint: Joint, theta: Array, k: int, rise: float):
+        self._joint, self._theta, self._k, self._edge_rise = joint, theta, k, rise
         here = joint.left(theta)
         self._least = float(here @ here)
         self._passed = [(0.0, theta)]
 
     def passed(self, half: float) -> tuple[Array, Array]:
-        """Return between which values every parameter lies while the deviance rises by 3.84.
+        """Return between which values every parameter lies within the deviance's rise.
 
         Parameters
         ----------
@@ -81,26 +83,26 @@ class _Profile:
         low, high = self._theta.copy(), self._theta.copy()
         for risen, theta in self._passed:
             others = np.delete(self._joint.jacobian(theta), k, axis=1)
-            reach = np.insert(_reach(others, _EDGE_95 - risen), k, 0.0)
+            reach = np.insert(_reach(others, self._edge_rise - risen), k, 0.0)
             low, high = np.minimum(low, theta - reach), np.maximum(high, theta + reach)
         low[k], high[k] = ends
         return low, high
 
     def _edge(self, step: float) -> float:
-        """Return where the deviance has risen by 3.84 on the side that a first step leads to."""
+        """Return where the deviance has risen so far on the side that a first step leads to."""
         p, start = self._joint.parameters[self._k], float(self._theta[self._k])
         inside = outside = start
         theta = self._theta
         for _ in range(_WIDER):
             outside = float(np.clip(start + step, p.low, p.high))
             risen, best = self._rise(theta, outside)
-            if risen > _EDGE_95 or outside in (p.low, p.high):
+            if risen > self._edge_rise or outside in (p.low, p.high):
                 break
             inside, theta, step = outside, best, 2.0 * step
         for _ in range(_HALVINGS):
             middle = 0.5 * (inside + outside)
             risen, best = self._rise(theta, middle)
-            if risen > _EDGE_95:
+            if risen > self._edge_rise:
                 outside = middle
             else:
                 inside, theta = middle, best
@@ -121,6 +123,6 @@ class _Profile:
                 break
             moved, here, dev = there, left, float(left @ left)
         risen = dev - self._least
-        if risen <= _EDGE_95:
+        if risen <= self._edge_rise:
             self._passed.append((max(risen, 0.0), moved))
         return risen, moved

@@ -155,7 +155,7 @@ def _report(
 def _causes(found: Found, named: Sequence[list[Ranked]], fit: Fit, gain: Gain) -> list[NamedCause]:
     """Describe the named causes."""
     problem = found.problem
-    ranges = intervals(problem, fit)
+    ranges = intervals(problem, fit, found.spread)
     causes = []
     for k, (ranking, applied) in enumerate(zip(named, fit.effects, strict=True)):
         share = gain.gain

@@ -9,7 +9,7 @@ kept as shapes, mostly zeros, and the ways in which they may differ together, wh
 
 from collections.abc import Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,8 +62,7 @@ class Problem:
         self.residual_rad_s = [
             s.residual_rad_s - e for s, e in zip(self.stretches, expected, strict=True)
         ]
-        shapes, self._root = known.background(self.stretches)
-        self._shapes = csr_array(np.concatenate(shapes))
+        self._take(self.stretches)
         self._weigh(noise, None)
         self._judge(masks)
 
@@ -127,6 +126,27 @@ class Problem:
         other._judge(self.masks)
         return other
 
+    def showing(self, effects: Sequence[Applied]) -> "Problem":
+        """Return the same problem of a motor that shows effects.
+
+        What changes the speed by a share, as another gain and a warm motor do, changes what effects
+        make of it by as much.
+
+        Parameters
+        ----------
+        effects
+            The effects.
+        """
+        other, changes = copy(self), self.change_rad_s(effects)
+        shown = [
+            replace(s, simulated_rad_s=s.simulated_rad_s + c)
+            for s, c in zip(self.stretches, changes, strict=True)
+        ]
+        other._take(shown)
+        other._background = other._filter @ other._shapes
+        other._judge(self.masks)
+        return other
+
     def change_rad_s(self, effects: Sequence[Applied]) -> list[Array]:
         """Return what effects change in the free run, by stretch.
 
@@ -174,6 +194,11 @@ class Problem:
         beta = ((self._ways.T @ shaped).T / self._tension).T
         carried: Array = np.concatenate([white - self._judged @ (self._ways @ beta), beta])
         return carried
+
+    def _take(self, stretches: Sequence[Stretch]) -> None:
+        """Take what may differ on runs without being news."""
+        shapes, self._root = self.known.background(stretches)
+        self._shapes = csr_array(np.concatenate(shapes))
 
     def _weigh(self, noise: Noise, weights: Sequence[Array] | None) -> None:
         """Take the noise, and what is no news beside it."""

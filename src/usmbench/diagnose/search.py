@@ -12,7 +12,7 @@ from usmbench.diagnose.naming import SIGNIFICANT, rank, whole_test
 from usmbench.diagnose.noise import Noise
 from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.problem import Problem
-from usmbench.diagnose.refining import refine_widely
+from usmbench.diagnose.refining import refine, refine_widely
 from usmbench.diagnose.robust import huber_weights
 from usmbench.diagnose.spikes import isolated, off_steps, spiked, steady
 from usmbench.diagnose.stepwise import name_causes, noise_spread
@@ -68,11 +68,13 @@ def search(
     ranked = rank(problem, effects, spread)
     named = name_causes(problem, basis, ranked, effects, spread)
     before = whole_test(problem, basis, (), named.spread)
-    after = before
-    if named.fit.effects:
-        doubting = problem.doubting(named.fit.effects)
-        after = whole_test(doubting, omnibus(doubting)["all"], named.fit.effects, named.spread)
-    return Found(problem, named.spread, ranked, named.rankings, named.fit, before, after)
+    if not named.fit.effects:
+        return Found(problem, named.spread, ranked, [], named.fit, before, before)
+    problem = problem.showing(named.fit.effects)
+    fit = refine(problem, named.fit)
+    doubting = problem.doubting(fit.effects)
+    after = whole_test(doubting, omnibus(doubting)["all"], fit.effects, named.spread)
+    return Found(problem, named.spread, ranked, named.rankings, fit, before, after)
 
 
 def _white(noise: Noise) -> Noise:

@@ -16,6 +16,7 @@ from usmbench.diagnose.shapes import (
 )
 from usmbench.diagnose.stretches import Stretch
 from usmbench.model.extended import Applied, extended_run
+from usmbench.model.linear import free_run
 
 Array = NDArray[np.float64]
 
@@ -165,9 +166,11 @@ def departures(stretch: Stretch, warms_rad_s: Array, habits: Sequence[Applied]) 
     against = -np.sign(share) * turning(stretch) * (1.0 - np.minimum(share**2, 1.0))
     held_back = shown(stretch, np.column_stack(stretch.points) * against[:, None])
     stuck = -np.sign(share) * np.interp(np.abs(share), _STICKING, (0.0, 1.0, 0.0))
+    linear, settled_rad_s = stretch.context.linear, stretch.settled_rad_s
     gain = stretch.simulated_rad_s
-    if stretch.context.linear.slip_limit_rad_s is not None:
-        gain = shown(stretch, stretch.settled_rad_s)  # a torque limit does not grow with it
+    if linear.slip_limit_rad_s is not None:  # which does not grow with it
+        limited_rad_s = free_run(linear, settled_rad_s, float(settled_rad_s[0]))
+        gain = gain - (limited_rad_s - shown(stretch, settled_rad_s))
     fast = 2.0 * np.minimum(np.abs(share), 1.0) - 1.0
     tilted = [gain * place for place in (fast, *stretch.places)]
     late, detuned = later_rad_s_per_s(stretch), detuned_rad_s(stretch)

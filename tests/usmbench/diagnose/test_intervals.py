@@ -1,7 +1,9 @@
 """An interval follows the valley in which several values lie."""
 
 import numpy as np
+import pytest
 
+from known_motor import applied, identified, measured
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.fitting import Fit
 from usmbench.diagnose.intervals import intervals
@@ -40,10 +42,29 @@ def test_a_warm_up_far_beyond_the_run_leaves_its_end_open_and_its_slope_known() 
     noise = estimate_noise(stretches, [s.residual_rad_s for s in stretches], rows)
     problem = Problem(stretches, known, noise, rows)
     fit = refine(problem, Fit((hidden,), 0.0, 0.0))
-    (found,) = intervals(problem, fit)
+    (found,) = intervals(problem, fit, 1.0)
     (low, high), (soon_s, late_s) = found["final_drift"], found["warm_up_s"]
     assert soon_s < 400.0 < late_s
     assert low < 0.2 < high
     # Both ends of one belong to those of the other.
     assert 0.0 < low < 2.0 * soon_s * 0.2 / 400.0
     assert high > 0.5 * late_s * 0.2 / 400.0
+
+
+@pytest.mark.parametrize("effect", ["gain_asymmetry", "transport_delay"])
+def test_a_noise_that_has_grown_widens_it_by_as_much(effect: str) -> None:
+    model = identified()
+    hidden = {
+        "gain_asymmetry": applied("gain_asymmetry", "balanced", asymmetry=0.03),
+        "transport_delay": applied("transport_delay", "", delay_s=0.003),
+    }[effect]
+    stretches, _ = cut_runs([measured(5, hidden)], model, ())
+    known = knowledge_of(model)
+    assert known.noise is not None
+    problem = Problem(stretches, known, known.noise, [s.use for s in stretches])
+    fit = refine(problem, Fit((hidden,), 0.0, 0.0))
+    widths = []
+    for spread in (1.0, 1.5):
+        ((low, high),) = intervals(problem, fit, spread)[0].values()
+        widths.append(high - low)
+    assert widths[1] / widths[0] == pytest.approx(1.5, rel=0.05)

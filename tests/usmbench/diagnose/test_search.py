@@ -1,13 +1,18 @@
 """Which windows a search sets aside as exceptions."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from known_motor import NOISE_RAD_S, applied, driven, identified
+from known_motor import NOISE_RAD_S, applied, driven, identified, measured
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.found import Found
+from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.pipeline import own_effects, searched
+from usmbench.diagnose.search import search
+from usmbench.model.extended import extended_run
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.runs.record import Record
 
@@ -51,3 +56,20 @@ def test_false_counts_beside_a_delay_are_exceptions(model: HammersteinModel) -> 
     found = _searched(record, model)
     assert _names(found) == {"transport_delay"}
     assert not _judged(found, false).any()
+
+
+@pytest.mark.parametrize("slip_limit_rad_s", [None, 3.0])
+def test_what_a_faster_run_shows_of_an_effect_is_not_the_size_of_its_cause(
+    model: HammersteinModel, slip_limit_rad_s: float | None
+) -> None:
+    known, faster = knowledge_of(model), 1.03
+    known = replace(known, wander=replace(known.wander, gain=0.02))
+    limited = replace(model, linear=replace(model.linear, slip_limit_rad_s=slip_limit_rad_s))
+    offset = applied("phase_offset", "", offset_deg=2.0)
+    record = measured(33)
+    ((stretch,), _) = cut_runs([record], limited, ())
+    context, noise = stretch.context, np.random.default_rng(33)
+    shown = extended_run([offset], context).speed_rad_s
+    noisy = faster * shown + NOISE_RAD_S * noise.standard_normal(shown.size)
+    found = search([replace(stretch, speed_rad_s=noisy)], known, (), [offset.effect])
+    assert found.fit.effects[0].values["offset_deg"] == pytest.approx(2.0, rel=0.01)
