@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 from scipy.stats import chi2
 
+from usmbench.diagnose.basis import Basis
 from usmbench.diagnose.chance import scatters
 from usmbench.diagnose.fitting import Fit
-from usmbench.diagnose.problem import Basis, Problem
+from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.refining import refine
 from usmbench.diagnose.result import Verdict
 from usmbench.diagnose.scanning import fit_effect, sharpen

@@ -9,7 +9,7 @@ kept as shapes, mostly zeros, and the ways in which they may differ together, wh
 
 from collections.abc import Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,7 @@ from usmbench.model.extended import Applied
 
 Array = NDArray[np.float64]
 
+_ANY = 1e3  # typical sizes
 _HIDDEN = 0.05  # share of the noise's variance below which a shape's own does not count
 
 
@@ -62,7 +63,8 @@ class Problem:
         self.residual_rad_s = [
             s.residual_rad_s - e for s, e in zip(self.stretches, expected, strict=True)
         ]
-        self._take(self.stretches)
+        shapes, self._root = known.background(self.stretches)
+        self._shapes = csr_array(np.concatenate(shapes))
         self._weigh(noise, None)
         self._judge(masks)
 
@@ -115,16 +117,21 @@ class Problem:
         effects
             The effects.
         """
-        other, changes = copy(self), self.change_rad_s(effects)
+        changes = self.change_rad_s(effects)
         off = [off_in_form(s, c) for s, c in zip(self.stretches, changes, strict=True)]
         level = np.concatenate([self.noise.level_rad_s(s) for s in self.stretches])
         kept = 1.0 / np.hypot(1.0, ROUGHLY * np.concatenate(changes) / level)
-        other._filter = csr_array(diags_array(kept) @ self._filter)
-        other._shapes = csr_array(hstack([self._shapes, csr_array(np.concatenate(off))]))
-        other._root = dense_blocks(self._root, np.eye(off[0].shape[1]))
-        other._background = other._filter @ other._shapes
-        other._judge(self.masks)
-        return other
+        return self._also(np.concatenate(off), 1.0, csr_array(diags_array(kept) @ self._filter))
+
+    def freeing(self, effects: Sequence[Applied]) -> "Problem":
+        """Return the same problem where effects may be there by any size.
+
+        Parameters
+        ----------
+        effects
+            The effects, of a typical size.
+        """
+        return self._also(np.concatenate(self.change_rad_s(effects))[:, None], _ANY, self._filter)
 
     def showing(self, effects: Sequence[Applied]) -> "Problem":
         """Return the same problem of a motor that shows effects.
@@ -137,15 +144,13 @@ class Problem:
         effects
             The effects.
         """
-        other, changes = copy(self), self.change_rad_s(effects)
+        changes = self.change_rad_s(effects)
         shown = [
             replace(s, simulated_rad_s=s.simulated_rad_s + c)
             for s, c in zip(self.stretches, changes, strict=True)
         ]
-        other._take(shown)
-        other._background = other._filter @ other._shapes
-        other._judge(self.masks)
-        return other
+        shapes, root = self.known.background(shown)
+        return self._altered(csr_array(np.concatenate(shapes)), root, self._filter)
 
     def change_rad_s(self, effects: Sequence[Applied]) -> list[Array]:
         """Return what effects change in the free run, by stretch.
@@ -195,10 +200,18 @@ class Problem:
         carried: Array = np.concatenate([white - self._judged @ (self._ways @ beta), beta])
         return carried
 
-    def _take(self, stretches: Sequence[Stretch]) -> None:
-        """Take what may differ on runs without being news."""
-        shapes, self._root = self.known.background(stretches)
-        self._shapes = csr_array(np.concatenate(shapes))
+    def _also(self, shapes: Array, deviation: float, filter_: csr_array) -> "Problem":
+        """Return the same problem with further shapes of one standard deviation."""
+        root = dense_blocks(self._root, deviation * np.eye(shapes.shape[1]))
+        return self._altered(csr_array(hstack([self._shapes, csr_array(shapes)])), root, filter_)
+
+    def _altered(self, shapes: csr_array, root: Array, filter_: csr_array) -> "Problem":
+        """Return the same runs with other shapes that are no news, and other weights."""
+        other = copy(self)
+        other._shapes, other._root, other._filter = shapes, root, filter_
+        other._background = filter_ @ shapes
+        other._judge(self.masks)
+        return other
 
     def _weigh(self, noise: Noise, weights: Sequence[Array] | None) -> None:
         """Take the noise, and what is no news beside it."""
@@ -229,27 +242,3 @@ class Problem:
             whole[k:] &= mask[:-k]
             whole[:k] = False
         return whole
-
-
-@dataclass(frozen=True, slots=True)
-class Basis:
-    """An orthonormal basis of carried columns.
-
-    Parameters
-    ----------
-    vectors
-        Shape (M, rank).
-    """
-
-    vectors: Array
-
-    def square(self, carried: Array) -> float:
-        """Return the square of a carried residual's projection.
-
-        Parameters
-        ----------
-        carried
-            Shape (M,).
-        """
-        part = self.vectors.T @ carried
-        return float(part @ part)

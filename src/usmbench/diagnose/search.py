@@ -6,16 +6,18 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.found import Found
+from usmbench.diagnose.basis import Basis
+from usmbench.diagnose.cancelling import cancelling
+from usmbench.diagnose.found import Found, verdict_on
 from usmbench.diagnose.knowledge import Knowledge
-from usmbench.diagnose.naming import SIGNIFICANT, rank, whole_test
+from usmbench.diagnose.naming import SIGNIFICANT, Ranked, rank, whole_test
 from usmbench.diagnose.noise import Noise
 from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.problem import Problem
-from usmbench.diagnose.refining import refine, refine_widely
+from usmbench.diagnose.refining import refine_widely
 from usmbench.diagnose.robust import huber_weights
 from usmbench.diagnose.spikes import isolated, off_steps, spiked, steady
-from usmbench.diagnose.stepwise import name_causes, noise_spread
+from usmbench.diagnose.stepwise import Named, name_causes, noise_spread
 from usmbench.diagnose.stretches import Mask, Stretch
 from usmbench.diagnose.views import omnibus
 from usmbench.model.effects.base import Effect
@@ -66,15 +68,25 @@ def search(
     basis = omnibus(problem)["all"]
     spread = noise_spread(problem, basis, best)
     ranked = rank(problem, effects, spread)
-    named = name_causes(problem, basis, ranked, effects, spread)
-    before = whole_test(problem, basis, (), named.spread)
-    if not named.fit.effects:
+    named = name_causes(problem, ranked, effects, spread)
+    found = _found(problem, basis, ranked, named)
+    if verdict_on(found, None) == "unexplained":
+        pair = cancelling(problem, effects, spread)
+        if pair is not None:
+            both = _found(problem, basis, ranked, pair)
+            return both if verdict_on(both, None) == "explained" else found
+    return found
+
+
+def _found(problem: Problem, basis: Basis, ranked: list[Ranked], named: Named) -> Found:
+    """Return what names come to."""
+    effects, before = named.fit.effects, whole_test(problem, basis, (), named.spread)
+    if not effects:
         return Found(problem, named.spread, ranked, [], named.fit, before, before)
-    problem = problem.showing(named.fit.effects)
-    fit = refine(problem, named.fit)
-    doubting = problem.doubting(fit.effects)
-    after = whole_test(doubting, omnibus(doubting)["all"], fit.effects, named.spread)
-    return Found(problem, named.spread, ranked, named.rankings, fit, before, after)
+    shown = problem.showing(effects)
+    doubting = shown.doubting(effects)
+    after = whole_test(doubting, omnibus(doubting)["all"], effects, named.spread)
+    return Found(shown, named.spread, ranked, named.rankings, named.fit, before, after)
 
 
 def _white(noise: Noise) -> Noise:

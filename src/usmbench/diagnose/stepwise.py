@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from usmbench.diagnose.basis import Basis
 from usmbench.diagnose.chance import scatters, struck_by
 from usmbench.diagnose.fitting import NOTHING, Fit
 from usmbench.diagnose.gain import held_out_drop
@@ -19,8 +20,8 @@ from usmbench.diagnose.naming import (
     same_shape,
     undecided,
 )
-from usmbench.diagnose.problem import Basis, Problem
-from usmbench.diagnose.refining import refine_widely
+from usmbench.diagnose.problem import Problem
+from usmbench.diagnose.refining import refine, refine_widely
 from usmbench.diagnose.robust import huber_weights
 from usmbench.diagnose.scanning import fit_effect, sharpen
 from usmbench.diagnose.views import omnibus
@@ -57,11 +58,7 @@ class Named:
 
 
 def name_causes(
-    problem: Problem,
-    basis: Basis,
-    ranked: list[Ranked],
-    effects: Sequence[Effect],
-    spread: float,
+    problem: Problem, ranked: list[Ranked], effects: Sequence[Effect], spread: float
 ) -> Named:
     """Add causes while each explains more of blocks that its fit has not seen.
 
@@ -69,8 +66,6 @@ def name_causes(
     ----------
     problem
         The problem.
-    basis
-        Directions in which a model may be wrong.
     ranked
         Every cause alone, best first.
     effects
@@ -78,25 +73,42 @@ def name_causes(
     spread
         Standard deviation of the whitened noise where nothing is named.
     """
-    found, here, earned = Named([], NOTHING, spread), _news(problem, ranked, spread), np.zeros(1)
+    found, here, shown = Named([], NOTHING, spread), _news(problem, ranked, spread), problem
     while here and len(found.rankings) < _MOST_CAUSES:
         if here[0].p_value >= CLEAR or here[0].score <= 0.0 or undecided(here):
             break
         before = found.rankings
         if len(before) == 1:
-            before, here = _together(problem, effects, found.spread, before[0], here)
-        worth = _first_worth(problem, found, before, here, earned)
+            before, here = _together(shown, effects, found, here)
+        worth = _first_worth(shown, found, before, here)
         if worth is None:
             break
-        here, longer, drop = worth
-        left = noise_spread(problem, basis, longer.effects)
-        found, earned = Named([*before, here], longer, left), drop
+        here, longer = worth
+        shown, found = settled(problem, [*before, here], longer)
         if here[0].effect.by_chance and scatters(problem, longer.effects):
             return _with_the_rest(problem, effects, found)
         taken = set().union(*map(same_shape, found.rankings))
         others = [e for e in effects if e.name not in taken]
-        here = _news(problem, rank(problem, others, left, longer), left)
+        here = _news(shown, rank(shown, others, found.spread, found.fit), found.spread)
     return found
+
+
+def settled(problem: Problem, rankings: list[list[Ranked]], fit: Fit) -> tuple[Problem, Named]:
+    """Return the problem of a motor that shows what is named, and that fitted to it once more.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    rankings
+        One a cause.
+    fit
+        All of them together.
+    """
+    shown = problem.showing(fit.effects)
+    again = refine(shown, fit)
+    left = noise_spread(shown, omnibus(shown)["all"], again.effects)
+    return shown, Named(rankings, again, left)
 
 
 def _first_worth(
@@ -104,14 +116,13 @@ def _first_worth(
     found: Named,
     before: Sequence[list[Ranked]],
     ranked: list[Ranked],
-    earned: Array,
-) -> tuple[list[Ranked], Fit, Array] | None:
-    """Return the ranking begun with what is worth a name, its fit, and what that drops unseen.
+) -> tuple[list[Ranked], Fit] | None:
+    """Return the ranking begun with what is worth a name, and its fit.
 
     Of causes that explain about as much, one may not hold on rows that its fit has not seen. Those
     found may have been weighed anew before it.
     """
-    first = First()
+    first, earned = First(), held_out_drop(problem, found.fit)
     if found.rankings:
         disputed = any(alternatives(ranking) for ranking in (*found.rankings, *before))
         first = First(found.rankings[0][0].statistic, disputed)
@@ -119,7 +130,7 @@ def _first_worth(
         longer = refine_widely(problem, best.fit)
         drop = held_out_drop(problem, longer)
         if worth_a_name(problem, found.fit, longer, drop - earned, first, found.spread):
-            return [best, *(r for r in ranked if r is not best)], longer, drop
+            return [best, *(r for r in ranked if r is not best)], longer
     return None
 
 
@@ -153,16 +164,16 @@ def _with_the_rest(problem: Problem, effects: Sequence[Effect], found: Named) ->
     # The scatter hid what is far out.
     clear = clear.weighed(problem.noise, masks, huber_weights(clear, clear.residual_rad_s))
     others = [e for e in effects if e.name != chance.effect.name]
-    basis = omnibus(clear)["all"]
-    spread = noise_spread(clear, basis, ())
-    rest = name_causes(clear, basis, rank(clear, others, spread), others, spread)
+    spread = noise_spread(clear, omnibus(clear)["all"], ())
+    rest = name_causes(clear, rank(clear, others, spread), others, spread)
     if not rest.rankings:
         return found
     fit = _beside(problem, chance, rest.fit.effects)
     # What acts elsewhere has to do so there, too.
     if fit.statistic <= found.fit.statistic:
         return found
-    return Named([found.rankings[-1], *rest.rankings], fit, found.spread)
+    _, both = settled(problem, [found.rankings[-1], *rest.rankings], fit)
+    return replace(both, spread=found.spread)
 
 
 def _beside(problem: Problem, chance: Applied, rest: Sequence[Applied]) -> Fit:
@@ -176,15 +187,15 @@ def _beside(problem: Problem, chance: Applied, rest: Sequence[Applied]) -> Fit:
 def _together(
     problem: Problem,
     effects: Sequence[Effect],
-    spread: float,
-    first: list[Ranked],
+    found: Named,
     second: list[Ranked],
 ) -> tuple[list[list[Ranked]], list[Ranked]]:
     """Weigh each of two causes given the other, until both stand.
 
     A cause that looks a little like two others is the best alone, and is neither.
     """
-    brings = first[0].fit.statistic + second[0].fit.statistic
+    (first,), spread = found.rankings, found.spread
+    brings = found.fit.statistic + second[0].fit.statistic
     for _ in range(_TURNS):
         kept = second[0]
         alone = refine_widely(problem, replace(kept.fit, effects=kept.fit.effects[-1:]))

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.stats import norm
 
-from usmbench.diagnose.problem import Basis, Problem
+from usmbench.diagnose.basis import Basis
+from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.result import View
 from usmbench.diagnose.stretches import Stretch
 

@@ -20,7 +20,7 @@ _SECOND_LEAST, _SECOND_SHARE = 50.0, 3e-4
 # Less is asked beside a small first that no other may stand for, where the doubt leaves it whole.
 _CLEAR_LEAST, _CLEAR_SHARE = 20.0, 2.5e-3
 # Of what it brings; a cause that keeps less looks like a misfit of those before it, and has to
-# bring more than a form that is off by as much as forms are.
+# bring more than a form leaves that is off by as much as forms are.
 _ITSELF, _MISFIT_SHARE = 0.9, OFF**2
 _ONE_FOLD = 2.0 / 3.0  # of what it takes from unseen blocks
 # That a cause has to explain better: rows, or places in the runs, where it acts at starts only.
@@ -99,7 +99,8 @@ def _earns_its_place(
     first: First,
     spread: float,
 ) -> bool:
-    brings, kept = (_gained(p, others, together) for p in (problem, problem.doubting(others)))
+    whole = (problem, problem.doubting(others))
+    brings, kept = (_gained(p, others, together) / spread**2 for p in whole)
     itself = kept > _ITSELF * brings
     # What is jagged is off where no smooth doubt covers it: at the phases that it leads to.
     smooth = not any(applied.effect.jagged for applied in others)
@@ -107,7 +108,7 @@ def _earns_its_place(
     least = _SECOND_LEAST
     if itself and not first.disputed:
         least = min(least, max(_CLEAR_LEAST, _CLEAR_SHARE * first.evidence))
-    return kept / spread**2 >= max(least, share * first.evidence)
+    return kept >= max(least, _SECOND_SHARE * first.evidence) and brings >= share * first.evidence
 
 
 def _gained(problem: Problem, before: Sequence[Applied], after: Sequence[Applied]) -> float:

@@ -83,3 +83,36 @@ def test_a_problem_weighed_anew_is_one_made_anew(
         anew.left(late), Problem(stretches, known, noise, uses).left(late)
     )
     np.testing.assert_array_equal(problem.left(late), before)
+
+
+LATE = Applied(find_effect("transport_delay", ""), {"delay_s": 0.004})
+LEAN = Applied(find_effect("gain_asymmetry", "balanced"), {"asymmetry": 0.3})
+
+
+def test_what_may_be_there_by_any_size_costs_nothing(
+    stretches: list[Stretch], known: Knowledge, noise: Noise
+) -> None:
+    problem = Problem(stretches, known, noise, [s.use for s in stretches])
+    free = problem.freeing([LATE])
+    shares = []
+    for effect in (LATE, LEAN):
+        signal = [3.0 * change for change in problem.change_rad_s([effect])]
+        before, after = (float(np.sum(p.carried(signal) ** 2)) for p in (problem, free))
+        shares.append(after / before)
+    assert shares[0] < 1e-4
+    assert shares[1] > 0.5
+
+
+def test_another_gain_makes_as_much_more_of_an_effect(
+    stretches: list[Stretch], model: HammersteinModel, noise: Noise
+) -> None:
+    plain = knowledge_of(model).nothing
+    known = replace(plain, wander=replace(plain.wander, gain=0.02))
+    problem = Problem(stretches, known, noise, [s.use for s in stretches])
+    (change,) = problem.change_rad_s([LEAN])
+    signal = [0.02 * (stretches[0].simulated_rad_s + change)]
+    before, after = (
+        float(np.sum(p.carried(signal) ** 2)) for p in (problem, problem.showing([LEAN]))
+    )
+    assert after <= 1.0 + 1e-6  # one standard deviation of what is no news
+    assert before > 5.0

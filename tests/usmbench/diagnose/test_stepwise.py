@@ -13,7 +13,6 @@ from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.stepwise import Named, name_causes
 from usmbench.diagnose.stretches import Stretch
-from usmbench.diagnose.views import omnibus
 from usmbench.model.effects.base import Effect
 from usmbench.model.effects.registry import find_effect
 from usmbench.model.extended import Applied
@@ -56,7 +55,7 @@ def test_what_healthy_runs_show_is_named_only_far_beyond_what_a_day_does(
     left = problem.left([LOST])
     fit = Fit((LOST,), problem.deviance - float(left @ left), 0.0)
     ranked = [Ranked(LOST.effect, fit, fit.statistic, p_value, fit.statistic)]
-    found = name_causes(problem, omnibus(problem)["all"], ranked, [LOST.effect], 1.0)
+    found = name_causes(problem, ranked, [LOST.effect], 1.0)
     assert _names(found) == ["stick_slip"] * named
 
 
@@ -75,14 +74,14 @@ def test_where_a_habit_leads_another_cause_counts_for_what_it_brings_beside_it(
     problem = _stuck(stretches, model, LOST)
     if other is DELAY.effect:
         problem = _with_residual_of(problem, DELAY)
-    effects, basis = [LOST.effect, other], omnibus(problem)["all"]
+    effects = [LOST.effect, other]
     first, second = rank(problem, effects, 1.0)
     assert (first.effect, second.effect) == (LOST.effect, other)
     assert second.p_value < 1e-4
     # As far beyond what a day does as a habit may be without being news.
     ranked = [replace(first, p_value=1e-6), second]
     # Given the delay the habit is weighed anew.
-    assert _names(name_causes(problem, basis, ranked, effects, 1.0))[:1] == named
+    assert _names(name_causes(problem, ranked, effects, 1.0))[:1] == named
 
 
 def test_of_causes_that_explain_as_much_one_that_holds_on_unseen_rows_is_named(
@@ -93,10 +92,9 @@ def test_of_causes_that_explain_as_much_one_that_holds_on_unseen_rows_is_named(
     fits = [Fit((applied,), 1000.0, 0.0) for applied in (delay, LOST)]
     ranked = [Ranked(f.effects[0].effect, f, 1000.0, 1e-12, 1000.0) for f in fits]
     effects = [r.effect for r in ranked]
-    basis = omnibus(problem)["all"]
-    assert _names(name_causes(problem, basis, ranked, effects, 1.0)) == ["stick_slip"]
+    assert _names(name_causes(problem, ranked, effects, 1.0)) == ["stick_slip"]
     monkeypatch.setattr("usmbench.diagnose.stepwise.nearest", lambda found: found[:1])
-    assert _names(name_causes(problem, basis, ranked, effects, 1.0)) == []
+    assert _names(name_causes(problem, ranked, effects, 1.0)) == []
 
 
 def test_what_is_far_out_hides_no_cause_beside_one_that_acts_by_chance(
@@ -115,8 +113,7 @@ def test_what_is_far_out_hides_no_cause_beside_one_that_acts_by_chance(
     problem = problem.with_masks([s.use for s in stretches])
     effects = [lost.effect, LOST.effect, find_effect("coupling_backlash", "")]
     ranked = rank(problem, effects, 1.0)
-    basis = omnibus(problem)["all"]
-    found = name_causes(problem, basis, ranked, effects, 1.0)
+    found = name_causes(problem, ranked, effects, 1.0)
     assert _names(found) == ["missed_counts", "stick_slip"]
 
 
@@ -138,7 +135,7 @@ def test_a_cause_beside_one_that_acts_by_chance_acts_where_that_one_does_too(
     problem = problem.with_masks([s.use for s in stretches])
     effects = [lost.effect, lean.effect]
     ranked = sorted(rank(problem, effects, 1.0), key=lambda r: r.effect is not lost.effect)
-    found = name_causes(problem, omnibus(problem)["all"], ranked, effects, 1.0)
+    found = name_causes(problem, ranked, effects, 1.0)
     assert _names(found) == ["missed_counts"] + ["gain_asymmetry"] * everywhere
 
 

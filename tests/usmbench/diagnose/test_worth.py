@@ -56,18 +56,29 @@ GRID = applied("phase_quantisation", "rounded", step_deg=3.0)
 
 
 @pytest.mark.parametrize(
-    ("first_is", "kept", "worth"),
-    [(LATE, 0.95, True), (LATE, 0.85, False), (GRID, 0.95, False)],
-    ids=["another", "a misfit", "beside what is jagged"],
+    ("first_is", "kept", "share", "worth"),
+    [
+        (LATE, 0.95, 0.005, True),
+        (LATE, 0.85, 0.005, False),
+        (LATE, 0.1, 0.02, True),
+        (GRID, 0.95, 0.005, False),
+        (GRID, 0.95, 0.02, True),
+    ],
+    ids=["another", "a misfit", "too much for one", "beside what is jagged", "too much beside it"],
 )
 def test_a_cause_that_may_be_a_misfit_of_the_first_is_asked_for_more(
-    problem: Problem, monkeypatch: pytest.MonkeyPatch, first_is: Applied, kept: float, worth: bool
+    problem: Problem,
+    monkeypatch: pytest.MonkeyPatch,
+    first_is: Applied,
+    kept: float,
+    share: float,
+    worth: bool,
 ) -> None:
     before, longer = _fit(problem, first_is), _fit(problem, first_is, WARMS)
-    brings = longer.statistic - before.statistic
+    brings = 1000.0
     found = iter([brings, kept * brings])
     monkeypatch.setattr("usmbench.diagnose.worth._gained", lambda *_: next(found))
-    first = 200.0 * brings  # of which a form that is a tenth off leaves twice as much
+    first = brings / share  # of which a form that is a tenth off leaves a hundredth
     assert worth_a_name(problem, before, longer, np.array(EVERYWHERE), First(first), 1.0) == worth
 
 

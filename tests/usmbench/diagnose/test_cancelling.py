@@ -1,0 +1,67 @@
+"""Two causes at one place that nearly cancel."""
+
+import numpy as np
+import pytest
+
+from known_motor import applied, driven, identified
+from usmbench.diagnose.cancelling import cancelling
+from usmbench.diagnose.cut_runs import cut_runs
+from usmbench.diagnose.pipeline import own_effects, searched
+from usmbench.diagnose.stretches import Stretch
+from usmbench.model.effects.registry import library
+from usmbench.model.extended import Applied
+from usmbench.model.hammerstein import HammersteinModel
+
+STEP_DEG = 360.0 / 256.0
+COARSE = applied("phase_quantisation", "cut off", step_deg=STEP_DEG)
+
+
+@pytest.fixture(scope="module")
+def model() -> HammersteinModel:
+    return identified()
+
+
+def _offset(degrees: float) -> Applied:
+    return applied("phase_offset", "", offset_deg=degrees)
+
+
+def _stretches(model: HammersteinModel, *hidden: Applied) -> list[Stretch]:
+    phase_deg = np.repeat(np.random.default_rng(8).uniform(-88.0, 88.0, 400), 5)
+    return cut_runs([driven(phase_deg, 41, *hidden)], model, own_effects(model))[0]
+
+
+@pytest.mark.parametrize("offset_deg", [0.5, 0.7, 0.8])
+def test_a_register_and_the_offset_that_sets_it_right_are_both_named(
+    model: HammersteinModel, offset_deg: float
+) -> None:
+    found = searched(_stretches(model, COARSE, _offset(offset_deg)), model)
+    assert [r[0].effect.name for r in found.named] == ["phase_quantisation", "phase_offset"]
+    grid, offset = found.fit.effects
+    assert grid.values["step_deg"] == pytest.approx(STEP_DEG, rel=5e-3)
+    assert offset.values["offset_deg"] == pytest.approx(offset_deg, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    "hidden",
+    [
+        (),
+        (_offset(0.7),),
+        (COARSE,),
+        (applied("unsigned_counts", ""),),
+        (applied("coupling_backlash", "", gap_rad=0.02),),
+    ],
+    ids=["nothing", "an offset", "a register", "unsigned counts", "backlash"],
+)
+def test_what_is_one_cause_is_no_pair(model: HammersteinModel, hidden: tuple[Applied, ...]) -> None:
+    problem = searched(_stretches(model, *hidden), model).problem
+    effects = [
+        e
+        for e in library()
+        if not e.sporadic and e.untestable([s.context for s in problem.stretches]) is None
+    ]
+    assert cancelling(problem, effects, 1.0) is None
+
+
+def test_without_a_jagged_cause_there_is_no_pair(model: HammersteinModel) -> None:
+    problem = searched(_stretches(model), model).problem
+    assert cancelling(problem, [_offset(1.0).effect], 1.0) is None
