@@ -1,7 +1,8 @@
 """Two causes at one place that nearly cancel: neither is found alone, nor before the other.
 
 A register that drops bits sets every phase too low by half a step on average; where somebody has
-set that right by an offset, either alone would make the simulation worse.
+set that right by an offset, either alone would make the simulation worse. And where another offset
+adds to it, the two together pass for one, and what the steps leave for a noise that has grown.
 """
 
 from collections.abc import Sequence

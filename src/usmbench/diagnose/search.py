@@ -15,6 +15,7 @@ from usmbench.diagnose.noise import Noise
 from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.refining import refine_widely
+from usmbench.diagnose.remainder import LOUD
 from usmbench.diagnose.robust import huber_weights
 from usmbench.diagnose.spikes import isolated, off_steps, spiked, steady
 from usmbench.diagnose.stepwise import Named, name_causes, noise_spread
@@ -70,11 +71,12 @@ def search(
     ranked = rank(problem, effects, spread)
     named = name_causes(problem, ranked, effects, spread)
     found = _found(problem, basis, ranked, named)
-    if verdict_on(found, None) == "unexplained":
+    if verdict_on(found, None) == "unexplained" or found.spread > LOUD:
         pair = cancelling(problem, effects, spread)
         if pair is not None:
             both = _found(problem, basis, ranked, pair)
-            return both if verdict_on(both, None) == "explained" else found
+            if verdict_on(both, None) == "explained" and both.spread <= found.spread:
+                return both
     return found
 
 

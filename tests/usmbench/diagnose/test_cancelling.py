@@ -30,8 +30,8 @@ def _stretches(model: HammersteinModel, *hidden: Applied) -> list[Stretch]:
     return cut_runs([driven(phase_deg, 41, *hidden)], model, own_effects(model))[0]
 
 
-@pytest.mark.parametrize("offset_deg", [0.5, 0.7, 0.8])
-def test_a_register_and_the_offset_that_sets_it_right_are_both_named(
+@pytest.mark.parametrize("offset_deg", [-0.6, 0.5, 0.7, 0.8])
+def test_a_register_and_an_offset_are_both_named(
     model: HammersteinModel, offset_deg: float
 ) -> None:
     found = searched(_stretches(model, COARSE, _offset(offset_deg)), model)
