@@ -50,7 +50,7 @@ def cancelling(problem: Problem, effects: Sequence[Effect], spread: float) -> Na
     for (leader, *_), wanted in zip(rankings, best.effects, strict=True):
         if leader.effect != wanted.effect or leader.p_value >= CLEAR:
             return None
-    return settled(problem, rankings, best)[1]
+    return settled(problem, rankings, best)
 
 
 def _fitted(problem: Problem, jagged: Effect, smooth: Effect) -> Fit:

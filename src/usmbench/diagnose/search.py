@@ -85,10 +85,9 @@ def _found(problem: Problem, basis: Basis, ranked: list[Ranked], named: Named) -
     effects, before = named.fit.effects, whole_test(problem, basis, (), named.spread)
     if not effects:
         return Found(problem, named.spread, ranked, [], named.fit, before, before)
-    shown = problem.showing(effects)
-    doubting = shown.doubting(effects)
+    doubting = named.problem.doubting(effects)
     after = whole_test(doubting, omnibus(doubting)["all"], effects, named.spread)
-    return Found(shown, named.spread, ranked, named.rankings, named.fit, before, after)
+    return Found(named.problem, named.spread, ranked, named.rankings, named.fit, before, after)
 
 
 def _white(noise: Noise) -> Noise:

@@ -44,6 +44,8 @@ class Named:
 
     Parameters
     ----------
+    problem
+        The problem of a motor that shows them.
     rankings
         One a cause, each given the others that were there when it was last weighed.
     fit
@@ -52,6 +54,7 @@ class Named:
         Standard deviation of the whitened noise that they leave.
     """
 
+    problem: Problem
     rankings: list[list[Ranked]]
     fit: Fit
     spread: float
@@ -73,28 +76,29 @@ def name_causes(
     spread
         Standard deviation of the whitened noise where nothing is named.
     """
-    found, here, shown = Named([], NOTHING, spread), _news(problem, ranked, spread), problem
+    found, here = Named(problem, [], NOTHING, spread), _news(problem, ranked, spread)
     while here and len(found.rankings) < _MOST_CAUSES:
         if here[0].p_value >= CLEAR or here[0].score <= 0.0 or undecided(here):
             break
         before = found.rankings
         if len(before) == 1:
-            before, here = _together(shown, effects, found, here)
-        worth = _first_worth(shown, found, before, here)
+            before, here = _together(effects, found, here)
+        worth = _first_worth(found, before, here)
         if worth is None:
             break
         here, longer = worth
-        shown, found = settled(problem, [*before, here], longer)
+        found = settled(problem, [*before, here], longer)
         if here[0].effect.by_chance and scatters(problem, longer.effects):
             return _with_the_rest(problem, effects, found)
         taken = set().union(*map(same_shape, found.rankings))
         others = [e for e in effects if e.name not in taken]
-        here = _news(shown, rank(shown, others, found.spread, found.fit), found.spread)
+        beside = rank(found.problem, others, found.spread, found.fit)
+        here = _news(found.problem, beside, found.spread)
     return found
 
 
-def settled(problem: Problem, rankings: list[list[Ranked]], fit: Fit) -> tuple[Problem, Named]:
-    """Return the problem of a motor that shows what is named, and that fitted to it once more.
+def settled(problem: Problem, rankings: list[list[Ranked]], fit: Fit) -> Named:
+    """Return what is named, fitted once more in the problem of a motor that shows it.
 
     Parameters
     ----------
@@ -108,21 +112,19 @@ def settled(problem: Problem, rankings: list[list[Ranked]], fit: Fit) -> tuple[P
     shown = problem.showing(fit.effects)
     again = refine(shown, fit)
     left = noise_spread(shown, omnibus(shown)["all"], again.effects)
-    return shown, Named(rankings, again, left)
+    return Named(shown, rankings, again, left)
 
 
 def _first_worth(
-    problem: Problem,
-    found: Named,
-    before: Sequence[list[Ranked]],
-    ranked: list[Ranked],
+    found: Named, before: Sequence[list[Ranked]], ranked: list[Ranked]
 ) -> tuple[list[Ranked], Fit] | None:
     """Return the ranking begun with what is worth a name, and its fit.
 
     Of causes that explain about as much, one may not hold on rows that its fit has not seen. Those
     found may have been weighed anew before it.
     """
-    first, earned = First(), held_out_drop(problem, found.fit)
+    problem, first = found.problem, First()
+    earned = held_out_drop(problem, found.fit)
     if found.rankings:
         disputed = any(alternatives(ranking) for ranking in (*found.rankings, *before))
         first = First(found.rankings[0][0].statistic, disputed)
@@ -172,7 +174,7 @@ def _with_the_rest(problem: Problem, effects: Sequence[Effect], found: Named) ->
     # What acts elsewhere has to do so there, too.
     if fit.statistic <= found.fit.statistic:
         return found
-    _, both = settled(problem, [found.rankings[-1], *rest.rankings], fit)
+    both = settled(problem, [found.rankings[-1], *rest.rankings], fit)
     return replace(both, spread=found.spread)
 
 
@@ -185,16 +187,13 @@ def _beside(problem: Problem, chance: Applied, rest: Sequence[Applied]) -> Fit:
 
 
 def _together(
-    problem: Problem,
-    effects: Sequence[Effect],
-    found: Named,
-    second: list[Ranked],
+    effects: Sequence[Effect], found: Named, second: list[Ranked]
 ) -> tuple[list[list[Ranked]], list[Ranked]]:
     """Weigh each of two causes given the other, until both stand.
 
     A cause that looks a little like two others is the best alone, and is neither.
     """
-    (first,), spread = found.rankings, found.spread
+    problem, (first,), spread = found.problem, found.rankings, found.spread
     brings = found.fit.statistic + second[0].fit.statistic
     for _ in range(_TURNS):
         kept = second[0]
