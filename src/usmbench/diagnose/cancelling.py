@@ -65,6 +65,5 @@ def _beside(
     problem: Problem, effects: Sequence[Effect], spread: float, other: Applied
 ) -> list[Ranked]:
     """Weigh every cause but one beside that one."""
-    left = problem.left([other])
-    alone = Fit((other,), problem.deviance - float(left @ left), 0.0)
+    alone = Fit((other,), problem.drop([other]), 0.0)
     return rank(problem, [e for e in effects if e.name != other.effect.name], spread, alone)

@@ -124,8 +124,7 @@ def held_out_drop(problem: Problem, fit: Fit) -> Array:
         unseen = problem.with_masks(
             [m & (b % _FOLDS == fold) for m, b in zip(problem.masks, _blocks(problem), strict=True)]
         )
-        left = unseen.left(refit.effects)
-        drop[fold] = unseen.deviance - float(left @ left)
+        drop[fold] = unseen.drop(refit.effects)
     return drop
 
 

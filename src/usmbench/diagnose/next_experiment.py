@@ -14,7 +14,6 @@ from itertools import permutations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import norm
 
 from usmbench.diagnose.cut_runs import cut_runs
@@ -35,8 +34,6 @@ from usmbench.model.effects.registry import find_effect
 from usmbench.model.extended import Applied, applied_effects
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.runs.record import Record
-
-Array = NDArray[np.float64]
 
 _MOST_RIVALS = 4
 _MOST_WINDOWS = 12_000  # of the runs in hand: more cost time and hardly change the choice

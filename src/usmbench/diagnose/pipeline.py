@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from usmbench.diagnose.anew import identified_anew
 from usmbench.diagnose.cut_runs import cut_runs
@@ -28,8 +27,6 @@ from usmbench.model.effects.registry import library
 from usmbench.model.extended import Applied, applied_effects
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.runs.record import Record
-
-Array = NDArray[np.float64]
 
 _MOST_POINTS = 3000
 
@@ -112,8 +109,10 @@ def _report(
     warnings: tuple[str, ...],
 ) -> Diagnosis:
     """Put everything together."""
-    problem, stands = found.problem, says in ("explained", "partly_explained")
+    stands = says in ("explained", "partly_explained")
     named = found.named if stands else []
+    # The problem is that of a motor that shows what was named, also where no name stands.
+    problem = found.problem.showing(()) if found.named and not named else found.problem
     fit = found.fit if named else NOTHING
     sporadic = sporadic if stands else None
     if sporadic is None:

@@ -186,6 +186,17 @@ class Problem:
         """
         return self.carried(self.left_rad_s(effects)) if effects else self.residual
 
+    def drop(self, effects: Sequence[Applied]) -> float:
+        """Return by how much effects lower the deviance.
+
+        Parameters
+        ----------
+        effects
+            The effects, beyond the model's own.
+        """
+        left = self.left(effects)
+        return self.deviance - float(left @ left)
+
     def carried(self, signal: Sequence[Array]) -> Array:
         """Return a residual as the vector whose square is its deviance, shape (M,) or (M, K).
 

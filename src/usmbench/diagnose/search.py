@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from usmbench.diagnose.basis import Basis
 from usmbench.diagnose.cancelling import cancelling
@@ -23,8 +22,6 @@ from usmbench.diagnose.stretches import Mask, Stretch
 from usmbench.diagnose.views import omnibus
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
-
-Array = NDArray[np.float64]
 
 
 def search(

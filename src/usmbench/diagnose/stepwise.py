@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from usmbench.diagnose.basis import Basis
 from usmbench.diagnose.chance import scatters, struck_by
@@ -28,8 +27,6 @@ from usmbench.diagnose.views import omnibus
 from usmbench.diagnose.worth import First, worth_a_name
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
-
-Array = NDArray[np.float64]
 
 _MOST_CAUSES = 3
 # For what healthy runs show anyhow; see "nothing hidden" in benchmarks/naming_campaign.py.
@@ -172,7 +169,7 @@ def _with_the_rest(problem: Problem, effects: Sequence[Effect], found: Named) ->
         return found
     fit = _beside(problem, chance, rest.fit.effects)
     # What acts elsewhere has to do so there, too.
-    if fit.statistic <= found.fit.statistic:
+    if fit.statistic <= problem.drop(found.fit.effects):
         return found
     both = settled(problem, [found.rankings[-1], *rest.rankings], fit)
     return replace(both, spread=found.spread)
@@ -182,8 +179,7 @@ def _beside(problem: Problem, chance: Applied, rest: Sequence[Applied]) -> Fit:
     """Fit what acts by chance anew, beside other causes."""
     again = sharpen(problem, fit_effect(problem, chance.effect, rest), rest)
     together = (again.effects[-1], *rest)
-    left = problem.left(together)
-    return Fit(together, problem.deviance - float(left @ left), 0.0)
+    return Fit(together, problem.drop(together), 0.0)
 
 
 def _together(

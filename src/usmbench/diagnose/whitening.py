@@ -6,15 +6,12 @@ these jitter, they foretell little.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import toeplitz
 from scipy.sparse import csr_array, dia_array
 
 from usmbench.diagnose.colour import autocovariance
 from usmbench.diagnose.noise import Noise
 from usmbench.diagnose.stretches import Stretch
-
-Array = NDArray[np.float64]
 
 _BEYOND = 2  # rows before those of the colour, for where these jitter
 

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from usmbench.diagnose.next_experiment import propose
 from usmbench.diagnose.pipeline import diagnose
@@ -15,7 +14,6 @@ from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticC
 from usmbench.model.linear import free_run
 from usmbench.runs.record import Record
 
-Array = NDArray[np.float64]
 WINDOW_S, NOISE_RAD_S = 0.01, 0.01
 RESONANCE_HZ, QUALITY = 40_500.0, 60.0
 BELOW_HZ, ABOVE_HZ, BESIDE_HZ = 40_050.0, 41_000.0, 25.0

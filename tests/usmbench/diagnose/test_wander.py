@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.pipeline import diagnose
@@ -17,7 +16,6 @@ from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticC
 from usmbench.model.linear import free_run
 from usmbench.runs.record import Record
 
-Array = NDArray[np.float64]
 WINDOW_S, NOISE_RAD_S = 0.01, 0.008
 SLIP_RAD_S = {40_050.0: 0.1, 41_000.0: 1.0}  # that friction takes near standstill
 LINEAR = first_order(0.0035, 0.0015, WINDOW_S)

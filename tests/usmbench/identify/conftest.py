@@ -4,14 +4,11 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from usmbench.identify.dynamics import LagFamily
 from usmbench.model.hammerstein import StaticCurve
 from usmbench.model.linear import free_run
 from usmbench.runs.record import Record
-
-Array = NDArray[np.float64]
 
 WINDOW_S, TAU_S, DEAD_TIME_S = 0.01, 0.0035, 0.0015
 KNOTS_DEG = np.array([-90.0, -60, -30, -15, -8, -3, 3, 8, 15, 30, 60, 90])
