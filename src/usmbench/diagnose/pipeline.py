@@ -116,7 +116,7 @@ def _report(
     fit = found.fit if named else NOTHING
     sporadic = sporadic if stands else None
     if sporadic is None:
-        warnings += tuple(left_unnamed(problem, fit.effects))
+        warnings += tuple(left_unnamed(problem, fit.effects, found.spread))
     effects = (*fit.effects, *(() if sporadic is None else (sporadic.applied,)))
     extended = replace(
         model, effects=(*model.effects, *(applied.to_mapping() for applied in effects))

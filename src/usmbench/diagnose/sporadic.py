@@ -104,7 +104,7 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
     return Sporadic(Applied(effect, {e.name: e.value for e in estimates}), named, deviance)
 
 
-def left_unnamed(problem: Problem, effects: Sequence[Applied]) -> list[str]:
+def left_unnamed(problem: Problem, effects: Sequence[Applied], spread: float) -> list[str]:
     """Say of each stretch how many windows are not judged for standing alone.
 
     Parameters
@@ -113,6 +113,8 @@ def left_unnamed(problem: Problem, effects: Sequence[Applied]) -> list[str]:
         The problem.
     effects
         The causes that are named.
+    spread
+        Standard deviation of the whitened noise, at least 1.
 
     Returns
     -------
@@ -123,7 +125,7 @@ def left_unnamed(problem: Problem, effects: Sequence[Applied]) -> list[str]:
     for stretch, mask, left in zip(
         problem.stretches, problem.masks, problem.left_rad_s(effects), strict=True
     ):
-        far = np.abs(left) > PLAIN * problem.noise.level_rad_s(stretch)
+        far = np.abs(left) > PLAIN * spread * problem.noise.level_rad_s(stretch)
         off_rad_s = np.abs(left[far & steady(stretch) & ~mask])
         if off_rad_s.size >= _TOLD:
             found.append(

@@ -11,7 +11,7 @@ from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.problem import Problem
-from usmbench.diagnose.sporadic import find_sporadic
+from usmbench.diagnose.sporadic import find_sporadic, left_unnamed
 
 
 @pytest.mark.parametrize(("scale_error", "found"), [(0.01, True), (0.3, False)])
@@ -104,3 +104,17 @@ def test_where_something_has_no_name_lone_windows_are_told_too() -> None:
     found = diagnose([replace(record, speed_rad_s=record.speed_rad_s - slower + off)], model)
     assert found.verdict == "unexplained"
     assert [w for w in found.warnings if "stand alone" in w]
+
+
+@pytest.mark.parametrize(("spread", "told"), [(1.0, True), (4.0, False)])
+def test_in_a_noise_that_has_grown_none_stands_alone(spread: float, told: bool) -> None:
+    model = identified()
+    phase_deg = np.repeat(np.random.default_rng(2).uniform(30.0, 88.0, 40), 20)
+    record = driven(phase_deg, 4)
+    off = np.zeros(phase_deg.size)
+    off[[15, 75]] = 25.0 * NOISE_RAD_S
+    (stretch,), _ = cut_runs([replace(record, speed_rad_s=record.speed_rad_s + off)], model, ())
+    known = knowledge_of(model)
+    assert known.noise is not None
+    problem = Problem([stretch], known, known.noise, [stretch.use & (np.abs(off) == 0.0)])
+    assert bool(left_unnamed(problem, (), spread)) == told
