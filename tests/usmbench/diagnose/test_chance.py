@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from known_motor import WINDOW_S, applied, driven, identified, measured
-from usmbench.diagnose.chance import scatters
+from usmbench.diagnose.chance import leaves_scatter, scatters
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.naming import rank, telling_deviance
 from usmbench.diagnose.pipeline import diagnose, searched
@@ -136,6 +136,18 @@ def test_whole_counts_scatter_and_a_smooth_loss_does_not(
     for run, scattered in ((counts, True), (_dwelling(loss), False)):
         assert scatters(_problem(_saying(run, 2000), model), [loss]) is scattered
         assert scatters(_problem(run, model), [loss])
+
+
+def test_a_drag_at_one_speed_is_no_scatter(model: HammersteinModel) -> None:
+    record = _dwelling()
+    size_rad_s = np.abs(record.speed_rad_s)
+    top_rad_s = float(np.max(size_rad_s))
+    loss = Applied(LOST, {"share_lost": 0.03, "above_rad_s": 0.95 * top_rad_s})
+    sings = np.exp(-(((size_rad_s - top_rad_s) / 0.3) ** 2))
+    drag = replace(record, speed_rad_s=record.speed_rad_s * (1.0 - 0.1 * sings))
+    counts = _swallowed(record, 0.03 * top_rad_s / (4.0 * COUNT_RAD_S))
+    for run, scattered in ((counts, True), (drag, False)):
+        assert leaves_scatter(_problem(run, model), [loss]) is scattered
 
 
 def test_a_smooth_loss_stands_behind_what_explains_about_as_much(model: HammersteinModel) -> None:
