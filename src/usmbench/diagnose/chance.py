@@ -14,9 +14,8 @@ Array = NDArray[np.float64]
 _SLOWER = 0.8  # times the least speed at which such a cause is seen to act
 _ELSEWHERE = 0.1  # of the scatter
 _ENOUGH = 0.5  # of the least scatter
-# Of the scatter, what the speed foretells, in groups of equal size; lost counts 0.4 at most, a
-# bearing that drags at one speed 0.87 at least.
-_FORETOLD, _GROUPS = 0.6, 20
+_FORETOLD = 0.5  # of the scatter: most of it is no chance then
+_FEWEST_ALIKE, _MOST_GROUPS = 10, 20  # windows of about one speed, lest chance seem foretold
 
 
 def chancy_of(effects: Sequence[Applied]) -> list[Applied]:
@@ -76,27 +75,27 @@ def leaves_scatter(problem: Problem, effects: Sequence[Applied]) -> bool:
         return False
     changes, struck = problem.change_rad_s(chancy), struck_by(problem, chancy)
     outside = against = 0.0
-    struck_left, speeds = [], []
+    left_inside, speeds_rad_s = [], []
     for k, (stretch, mask) in enumerate(zip(problem.stretches, problem.masks, strict=True)):
         level = problem.noise.level_rad_s(stretch)
         left, was = left_rad_s[k] / level, problem.residual_rad_s[k] / level
-        faster = struck[k] & (was * changes[k] < 0.0)
-        # Towards zero speed, whichever way the motor turns.
-        simulated_rad_s = stretch.simulated_rad_s[mask & struck[k]]
-        struck_left.append(left[mask & struck[k]] * np.sign(simulated_rad_s))
-        speeds.append(np.abs(simulated_rad_s))
+        inside = mask & struck[k]
         outside += float(np.sum(left[mask & ~struck[k]] ** 2))
-        against += float(np.sum(was[mask & faster] ** 2))
-    inside = np.concatenate(struck_left)
-    if max(outside, against) >= _ELSEWHERE * float(inside @ inside):
+        against += float(np.sum(was[inside & (was * changes[k] < 0.0)] ** 2))
+        left_inside.append(left[inside])
+        speeds_rad_s.append(stretch.simulated_rad_s[inside])
+    scattered = np.concatenate(left_inside)
+    scatter = float(scattered @ scattered)
+    if max(outside, against) >= _ELSEWHERE * scatter:
         return False
-    return _foretold(inside, np.concatenate(speeds)) < _FORETOLD * float(inside @ inside)
+    return _foretold(scattered, np.concatenate(speeds_rad_s)) < _FORETOLD * scatter
 
 
-def _foretold(left: Array, speed_rad_s: Array) -> float:
-    """Sum of squares of what is left that the speed alone foretells."""
-    groups = np.array_split(left[np.argsort(speed_rad_s, kind="stable")], _GROUPS)
-    return sum(float(np.sum(g)) ** 2 / g.size for g in groups if g.size)
+def _foretold(values: Array, speed_rad_s: Array) -> float:
+    """Sum of squares of what the speed alone, and which way the motor turns, says of values."""
+    n_groups = int(np.clip(values.size // _FEWEST_ALIKE, 1, _MOST_GROUPS))
+    groups = np.array_split(values[np.argsort(speed_rad_s, kind="stable")], n_groups)
+    return sum(float(np.sum(group)) ** 2 / group.size for group in groups)
 
 
 def scatters(problem: Problem, effects: Sequence[Applied]) -> bool:

@@ -138,14 +138,22 @@ def test_whole_counts_scatter_and_a_smooth_loss_does_not(
         assert scatters(_problem(run, model), [loss])
 
 
-def test_a_drag_at_one_speed_is_no_scatter(model: HammersteinModel) -> None:
-    record = _dwelling()
+@pytest.mark.parametrize(
+    ("share", "width_rad_s", "n_fast"),
+    [(0.03, 0.3, 30), (0.03, 0.8, 30), (0.1, 0.3, 30), (0.1, 0.3, 2)],
+)
+def test_a_drag_at_one_speed_is_no_scatter(
+    model: HammersteinModel, share: float, width_rad_s: float, n_fast: int
+) -> None:
+    rng = np.random.default_rng(3)
+    phases_deg = np.r_[rng.uniform(-30.0, 30.0, 60), rng.uniform(80.0, 88.0, n_fast)]
+    record = driven(np.repeat(rng.permutation(phases_deg), 20), 13)
     size_rad_s = np.abs(record.speed_rad_s)
     top_rad_s = float(np.max(size_rad_s))
-    loss = Applied(LOST, {"share_lost": 0.03, "above_rad_s": 0.95 * top_rad_s})
-    sings = np.exp(-(((size_rad_s - top_rad_s) / 0.3) ** 2))
-    drag = replace(record, speed_rad_s=record.speed_rad_s * (1.0 - 0.1 * sings))
-    counts = _swallowed(record, 0.03 * top_rad_s / (4.0 * COUNT_RAD_S))
+    loss = Applied(LOST, {"share_lost": share, "above_rad_s": 0.95 * top_rad_s})
+    sings = np.exp(-(((size_rad_s - top_rad_s) / width_rad_s) ** 2))
+    drag = replace(record, speed_rad_s=record.speed_rad_s * (1.0 - 2.0 * share * sings))
+    counts = _swallowed(record, share * top_rad_s / (4.0 * COUNT_RAD_S))
     for run, scattered in ((counts, True), (drag, False)):
         assert leaves_scatter(_problem(run, model), [loss]) is scattered
 
