@@ -19,6 +19,7 @@ _BLOCKS = 40
 _MOST_ROWS = 4000
 _FEWEST_DWELLS, _FEWEST_PHASES = 10, 10
 _STANDING_SPEED = 0.002  # of the highest: less is standstill
+_BY_CHANCE = 3.0  # standard errors of a median: less is standstill, too
 _WILD_SCALES, _WILD_SHARE = 10.0, 0.1  # of the residual's scale, of the highest speed
 
 
@@ -78,11 +79,11 @@ def curve_rows(data: Dataset, point: int, rough: Fit) -> CurveRows:
     """
     dynamics = rough.dynamics
     forget = memory_windows(dynamics.linear_part(None))
-    phases, speeds = _dwell_medians(data, point, forget)
+    phases, speeds, error_rad_s = _dwell_medians(data, point, forget)
     few = np.unique(data.phase_deg(point)).size / 2.0
     if phases.size >= _FEWEST_DWELLS and np.unique(phases).size >= min(_FEWEST_PHASES, few):
-        fold = _phase_folds(phases)
-        return CurveRows((phases,), (speeds,), (fold,), NONE, _standing_deg(phases, speeds))
+        fold, standing = _phase_folds(phases), _standing_deg(phases, speeds, error_rad_s)
+        return CurveRows((phases,), (speeds,), (fold,), NONE, standing)
     chosen = [k for k, s in enumerate(data.segments) if s.point == point]
     pieces = [data.segments[k] for k in chosen]
     wild = _wild([rough.residual_rad_s[k] for k in chosen], pieces)
@@ -112,22 +113,29 @@ def _wild(residuals: Sequence[Array], pieces: Sequence[Segment]) -> list[NDArray
     return [np.abs(residual) > limit for residual in residuals]
 
 
-def _dwell_medians(data: Dataset, point: int, forget: int) -> tuple[Array, Array]:
-    """Phase and median settled speed of every dwell that outlasts the memory."""
-    phases, speeds = [], []
+def _dwell_medians(data: Dataset, point: int, forget: int) -> tuple[Array, Array, float]:
+    """Phase and median settled speed of every dwell that outlasts the memory; a median's error."""
+    phases, speeds, errors = [], [], [0.0]
     for segment in (s for s in data.segments if s.point == point):
         starts = np.r_[0, np.flatnonzero(np.diff(segment.phase_deg)) + 1, segment.n]
         for first, last in pairwise(starts):
             if last - first > forget:
+                settled_rad_s = segment.speed_rad_s[first + forget : last]
                 phases.append(segment.phase_deg[first])
-                speeds.append(np.median(segment.speed_rad_s[first + forget : last]))
-    return np.array(phases), np.array(speeds)
+                speeds.append(np.median(settled_rad_s))
+                errors.append(np.std(settled_rad_s) / np.sqrt(settled_rad_s.size))
+    return np.array(phases), np.array(speeds), float(np.median(errors[1:] or errors))
 
 
-def _standing_deg(phase_deg: Array, speed_rad_s: Array) -> tuple[float, float] | None:
+def _standing_deg(
+    phase_deg: Array, speed_rad_s: Array, error_rad_s: float
+) -> tuple[float, float] | None:
     """Return the ends of the run of standing dwells nearest to phase 0."""
     order = np.argsort(phase_deg)
-    standing = np.abs(speed_rad_s[order]) <= _STANDING_SPEED * np.max(np.abs(speed_rad_s))
+    least_rad_s = max(
+        _STANDING_SPEED * float(np.max(np.abs(speed_rad_s))), _BY_CHANCE * error_rad_s
+    )
+    standing = np.abs(speed_rad_s[order]) <= least_rad_s
     if not np.any(standing):
         return None
     sorted_deg = phase_deg[order]

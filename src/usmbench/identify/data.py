@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Point = tuple[float | None, float | None]
 
-_THIN_BLOCKS, _THIN_ROWS = 20, 1500
-
 
 @dataclass(frozen=True, slots=True)
 class Segment:
@@ -119,27 +117,6 @@ class Dataset:
     def n(self) -> int:
         """Number of samples."""
         return sum(segment.n for segment in self.segments)
-
-    def thinned(self, most_rows: int, block_rows: int = _THIN_ROWS) -> "Dataset":
-        """Return unbroken parts of the segments, spread over all of them.
-
-        Parameters
-        ----------
-        most_rows
-            About how many rows to keep; with fewer in all, all are kept.
-        block_rows
-            Rows of an unbroken part at least.
-        """
-        if self.n <= most_rows:
-            return self
-        parts = []
-        for segment in self.segments:
-            blocks = max(1, min(_THIN_BLOCKS, segment.n * most_rows // (self.n * block_rows)))
-            length = max(block_rows, segment.n * most_rows // (self.n * blocks))
-            for k in range(blocks):
-                first = k * segment.n // blocks
-                parts.append(segment.part(first, min(first + length, segment.n)))
-        return replace(self, segments=tuple(parts))
 
     def rows(self, point: int) -> int:
         """Return the number of samples at one operating point.

@@ -160,22 +160,27 @@ class FreeFamily:
 
 @dataclass(frozen=True, slots=True)
 class LagFamily:
-    """First-order lags with a true dead time, seen through window averages.
+    """First-order lags with a true dead time, seen through window averages, or at windows' ends.
 
     The parameters are ln(τ/T) and the dead time over T, for windows of length T. Speeds are
     averages over windows; a phase counts from the start of the window in which it is commanded.
     With f the dead time's part of a window beyond D whole ones, u = τ/T and p = exp(−1/u), the
     averages of the unit step's response are ``s_0 = (1 − f) − u (1 − exp(−(1 − f)/u))`` and
     ``s_k = 1 − u (1 − p) exp(−(k − f)/u)``, which is the difference equation with a_1 = −p,
-    b_0 = s_0, b_1 = s_1 − (1 + p) s_0, b_2 = s_2 − s_1 − p (s_1 − s_0) and no more terms.
+    b_0 = s_0, b_1 = s_1 − (1 + p) s_0, b_2 = s_2 − s_1 − p (s_1 − s_0) and no more terms. At the
+    ends of windows ``s_k = 1 − exp(−(k + 1 − f)/u)``; without a dead time that is the paper's
+    difference equation with n_a = 1, n_b = 0.
 
     Parameters
     ----------
     longest_dead_time
         Largest dead time in windows.
+    sampled
+        Whether speeds are those at the ends of windows.
     """
 
     longest_dead_time: float
+    sampled: bool = False
 
     def dynamics(self, parameters: Array) -> Dynamics:
         """Return the linear part.
@@ -192,6 +197,8 @@ class LagFamily:
     def _at(self, u: float, whole: int, f: float) -> Dynamics:
         p = math.exp(-1.0 / u)
         left = math.exp(-(1.0 - f) / u)
+        if self.sampled:
+            return Dynamics(np.array([-p]), np.array([left - p, 0.0]) / (1.0 - p), whole)
         s0 = (1.0 - f) + u * math.expm1(-(1.0 - f) / u)
         s1 = 1.0 - u * (1.0 - p) * left
         s2 = 1.0 - u * (1.0 - p) * left * p

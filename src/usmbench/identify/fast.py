@@ -15,6 +15,7 @@ from usmbench.identify.residual_tests import residual_tests
 from usmbench.identify.result import Identification, assemble
 from usmbench.identify.robust import robust_fit
 from usmbench.identify.shape import FastOptions, settle_shape
+from usmbench.identify.thinning import searched_part
 from usmbench.identify.torque_limit import limited_fit
 from usmbench.identify.uncertainty import (
     Estimate,
@@ -50,10 +51,10 @@ def identify_fast(records: Sequence[Record], options: FastOptions) -> Identifica
     """
     started_s = time.perf_counter()
     data = from_windows(records)
-    part = data.thinned(_search_rows(data))
+    part = searched_part(data, _search_rows(data))
     shape = settle_shape(data, part, options)
-    family, knots_deg = shape.family, shape.knots_deg
-    search = robust_fit(shape.problem(part))
+    knots_deg, search = shape.knots_deg, robust_fit(shape.problem(part))
+    family = search.problem.family
     share = part.n / data.n
     priors = [np.sqrt(share) * prior for prior in shape.priors(data)]
     linearised = search.problem.linearised()

@@ -8,6 +8,7 @@ from usmbench.model.hammerstein import StaticCurve
 Array = NDArray[np.float64]
 
 _GRID = 2001
+_AT_END = 0.02  # of the range: what bends there is its end
 _SLOW, _FAST = 0.03, 0.12  # of the highest speed: where the tangents are taken
 
 
@@ -71,6 +72,40 @@ def dead_zone_deg(curve: StaticCurve) -> tuple[float | None, float | None]:
     edges = standing_edges_deg(grid_deg, curve.speed_rad_s(grid_deg)[None])[0]
     low, high = (None if np.isnan(edge) else edge for edge in edges.tolist())
     return low, high
+
+
+def knees_deg(curve: StaticCurve, edges_deg: tuple[float, ...]) -> tuple[float, ...]:
+    """Return where a curve that saturates all at once would: where its steepest tangents end.
+
+    Parameters
+    ----------
+    curve
+        The settled speed.
+    edges_deg
+        Edges of its dead zone, of which each has a side that lies beyond.
+
+    Returns
+    -------
+    tuple of float
+        A phase for each edge beyond which the steepest tangent meets the highest speed of that
+        side before the curve ends.
+    """
+    grid_deg = np.linspace(curve.knots_deg[0], curve.knots_deg[-1], _GRID)
+    size = np.abs(curve.speed_rad_s(grid_deg))
+    margin_deg = _AT_END * float(grid_deg[-1] - grid_deg[0])
+    knees = []
+    for edge_deg in edges_deg:
+        way = 1.0 if edge_deg == max(edges_deg) else -1.0
+        beyond = np.flatnonzero(way * (grid_deg - edge_deg) > 0.0)
+        if beyond.size < 2:
+            continue
+        slope = way * np.gradient(size[beyond], grid_deg[beyond])
+        at = int(np.argmax(slope))
+        rest = float(np.max(size[beyond])) - float(size[beyond][at])
+        knee_deg = float(grid_deg[beyond][at]) + way * rest / float(slope[at])
+        if grid_deg[0] + margin_deg < knee_deg < grid_deg[-1] - margin_deg:
+            knees.append(knee_deg)
+    return tuple(knees)
 
 
 def standing_edges_deg(grid_deg: Array, speeds_rad_s: Array) -> Array:

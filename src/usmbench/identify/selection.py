@@ -7,6 +7,7 @@ to nothing, and no normal equations are formed.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,7 +84,7 @@ def prior_rows(
 def choose_curve(
     rows: CurveRows,
     degrees: Sequence[int],
-    edges_deg: tuple[float, ...],
+    bends_deg: Sequence[tuple[float, ...]],
     span_deg: tuple[float, float],
 ) -> Choice:
     """Return the candidate that predicts held-out samples best, the simplest among equals.
@@ -94,13 +95,13 @@ def choose_curve(
         The samples.
     degrees
         Degrees to compare.
-    edges_deg
-        Where the curve bends sharply, as far as it is known.
+    bends_deg
+        Sets of phases at which the curve may bend sharply: those to gather knots at.
     span_deg
         Ends of the curve.
     """
     best: Choice | None = None
-    for knots_deg in _candidates(degrees, edges_deg, span_deg):
+    for knots_deg in _candidates(degrees, bends_deg, span_deg):
         for choice in _judged(rows, knots_deg, STIFFNESSES):
             if best is None or _SIMPLER * choice.held_out_rad_s < best.held_out_rad_s:
                 best = choice
@@ -140,19 +141,18 @@ def fitted_curve(rows: CurveRows, choice: Choice) -> StaticCurve:
 
 
 def _candidates(
-    degrees: Sequence[int], edges_deg: tuple[float, ...], span_deg: tuple[float, float]
+    degrees: Sequence[int],
+    bends_deg: Sequence[tuple[float, ...]],
+    span_deg: tuple[float, float],
 ) -> Iterator[Array]:
     """Yield sets of knots, simple ones first."""
     low_deg, high_deg = span_deg
     for degree in degrees:
         yield place_knots(low_deg, high_deg, degree)
-        if not edges_deg:
-            continue
-        for share in _SHARES:
-            for width in _WIDTHS:
-                yield place_knots(
-                    low_deg, high_deg, degree, edges_deg, share, width * (high_deg - low_deg)
-                )
+        for at_deg, share, width in product(bends_deg, _SHARES, _WIDTHS):
+            yield place_knots(
+                low_deg, high_deg, degree, at_deg, share, width * (high_deg - low_deg)
+            )
 
 
 def _judged(rows: CurveRows, knots_deg: Array, stiffnesses: Sequence[float]) -> list[Choice]:

@@ -34,3 +34,15 @@ def test_dwells_too_short_to_settle_choose_nothing() -> None:
     shape = settle_shape(data, data, FastOptions())
     assert shape.rows[0].dynamics is not NONE
     assert shape.choices[0].knots_deg.size > 4
+
+
+def test_a_motor_that_stands_in_noise_stands() -> None:
+    # Dwells in the dead zone average to next to nothing, but not to 0.
+    run = _run("staircase", 4000, 0.01)
+    data = from_windows([run])
+    standing_deg = settle_shape(data, data, FastOptions()).rows[0].standing_deg
+    assert standing_deg is not None
+    phases = np.unique(run.phase_deg)
+    edges_deg = motor_of(np.random.default_rng(9)).edges_deg
+    stands = phases[(phases > -edges_deg[0]) & (phases < edges_deg[1])]
+    assert standing_deg == (stands[0], stands[-1])

@@ -8,6 +8,7 @@ import pytest
 
 from usmbench.errors import InputError
 from usmbench.identify.gather import from_pairs, from_windows
+from usmbench.identify.thinning import searched_part
 from usmbench.runs.record import Pairs, Record
 
 Measure = Callable[..., Record]
@@ -31,7 +32,7 @@ def test_a_run_that_never_drove_is_refused(measure: Measure) -> None:
 def test_the_span_is_that_of_all_rows_also_where_few_are_searched(measure: Measure) -> None:
     record = measure(30_000)
     data = from_windows([record])
-    assert data.thinned(2000).spans_deg == data.spans_deg
+    assert searched_part(data, 2000).spans_deg == data.spans_deg
     assert data.spans_deg[0] == (record.phase_deg.min(), record.phase_deg.max())
 
 

@@ -18,6 +18,7 @@ from usmbench.identify.projected import Projected
 from usmbench.identify.robust import RobustFit, bisquare_weights, counted_alike, robust_fit
 from usmbench.identify.selection import prior_rows
 from usmbench.identify.sensitivities import output_sensitivities
+from usmbench.identify.thinning import searched_part
 from usmbench.identify.uncertainty import Estimate, covariance
 from usmbench.model.hammerstein import LinearPart, StaticCurve
 from usmbench.model.linear import free_run
@@ -41,7 +42,7 @@ def test_newton_steps_over_pieces_come_to_the_fit_of_all_rows(
         priors = [prior_rows(knots_deg, 1e-3, None, rows.n)]
         return robust_fit(Projected(stretches, family, start, counted_alike(stretches), priors))
 
-    few, whole = search(data.thinned(5000)), search(data).problem
+    few, whole = search(searched_part(data, 5000)), search(data).problem
     for _ in range(5):
         weights = bisquare_weights(whole, (few.settled_rad_s, few.changing_rad_s))
         whole = fit_output_error(whole.reweighted(weights), 1e-9)

@@ -1,7 +1,7 @@
-"""The first-order lag behind a delay, exactly, for speeds averaged over windows."""
+"""The first-order lag behind a delay, exactly, for speeds averaged over windows or sampled."""
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,7 +13,52 @@ _SAME = 0.03  # largest difference of a coefficient that still is the same lag
 _FASTEST = 1e-3  # of a window: a lag faster than this is none
 
 
-def lag_and_delay_s(linear: LinearPart, window_s: float) -> tuple[float, float] | None:
+@dataclass(frozen=True, slots=True)
+class Lag:
+    """A first-order lag behind a delay.
+
+    Parameters
+    ----------
+    tau_s
+        Time constant τ.
+    delay_s
+        Delay.
+    sampled
+        Whether speeds are those at the ends of windows, as in the paper's difference equation, and
+        not averages over windows.
+    """
+
+    tau_s: float
+    delay_s: float
+    sampled: bool = False
+
+    def linear_part(self, window_s: float) -> LinearPart:
+        """Return the difference equation.
+
+        A step at the start of a window acts for u in the window in which the delay ends, which
+        then averages u/T − (τ/T)(1 − exp(−u/τ)) and ends at 1 − exp(−u/τ); in each window after,
+        the distance to the end shrinks by p = exp(−T/τ).
+
+        Parameters
+        ----------
+        window_s
+            Duration T of a window.
+        """
+        tau = max(self.tau_s / window_s, _FASTEST)
+        whole = int(self.delay_s / window_s)
+        acts = 1.0 - (self.delay_s / window_s - whole)
+        pole, left = math.exp(-1.0 / tau), math.exp(-acts / tau)
+        if self.sampled:
+            b = np.array([1.0 - left, left - pole])
+        else:
+            first = acts - tau * (1.0 - left)
+            second = 1.0 - tau * (1.0 - pole) * left
+            rest = 1.0 - pole - second + pole * first
+            b = np.array([first, second - (1.0 + pole) * first, rest])
+        return LinearPart(np.array([-pole]), b, whole, window_s)
+
+
+def lag_of(linear: LinearPart, window_s: float) -> Lag | None:
     """Return the lag and the delay of a linear part that is nothing else, or None.
 
     Parameters
@@ -24,39 +69,33 @@ def lag_and_delay_s(linear: LinearPart, window_s: float) -> tuple[float, float] 
         Duration of a window.
     """
     tau_s, delay_s = time_constant_s(linear), dead_time_s(linear)
-    if tau_s is None or delay_s is None or delay_s < -_SAME * window_s:
+    if tau_s is None or delay_s is None or linear.a.size != 1:
         return None
-    delay_s = max(delay_s, 0.0)
-    same = first_order(tau_s, delay_s, window_s)
-    n = 4 + same.dead_time_windows + same.b.size + linear.dead_time_windows + linear.b.size
-    near = np.max(np.abs(_padded(linear, n) - _padded(same, n))) < _SAME
-    return (tau_s, delay_s) if near and linear.a.size == 1 else None
+    if delay_s > -_SAME * window_s:
+        averaged = Lag(tau_s, max(delay_s, 0.0))
+        if _same(averaged.linear_part(window_s), linear):
+            return averaged
+    pole, left = -float(linear.a[0]), 1.0 - float(linear.b[0])
+    if not pole - _SAME < left < 1.0:
+        return None
+    acts_s = min(-tau_s * math.log(left), window_s)
+    sampled = Lag(tau_s, (linear.dead_time_windows + 1.0) * window_s - acts_s, sampled=True)
+    return sampled if _same(sampled.linear_part(window_s), linear) else None
 
 
 def first_order(tau_s: float, delay_s: float, window_s: float) -> LinearPart:
-    """Return the linear part of a lag behind a delay.
-
-    A step at the start of a window acts for u in the window in which the delay ends, which then
-    averages u/T − (τ/T)(1 − exp(−u/τ)); in each window after, the distance to the end shrinks by
-    p = exp(−T/τ).
+    """Return the linear part of a lag behind a delay, for speeds averaged over windows.
 
     Parameters
     ----------
     tau_s
-        Time constant τ.
+        Time constant.
     delay_s
         Delay.
     window_s
-        Duration T of a window.
+        Duration of a window.
     """
-    tau = max(tau_s / window_s, _FASTEST)
-    whole = int(delay_s / window_s)
-    acts = 1.0 - (delay_s / window_s - whole)
-    pole, left = math.exp(-1.0 / tau), math.exp(-acts / tau)
-    first = acts - tau * (1.0 - left)
-    second = 1.0 - tau * (1.0 - pole) * left
-    b = np.array([first, second - (1.0 + pole) * first, 1.0 - pole - second + pole * first])
-    return LinearPart(np.array([-pole]), b, whole, window_s)
+    return Lag(tau_s, delay_s).linear_part(window_s)
 
 
 def later(linear: LinearPart, delay_s: float, window_s: float) -> LinearPart:
@@ -76,14 +115,20 @@ def later(linear: LinearPart, delay_s: float, window_s: float) -> LinearPart:
     """
     if delay_s <= 0.0:
         return linear
-    known = lag_and_delay_s(linear, window_s)
+    known = lag_of(linear, window_s)
     if known is not None:
-        late = first_order(known[0], known[1] + delay_s, window_s)
+        late = replace(known, delay_s=known.delay_s + delay_s).linear_part(window_s)
         return replace(late, slip_limit_rad_s=linear.slip_limit_rad_s)
     whole = int(delay_s / window_s)
     part = delay_s / window_s - whole
     b = np.convolve(linear.b, [1.0 - part, part])
     return replace(linear, b=b, dead_time_windows=linear.dead_time_windows + whole)
+
+
+def _same(one: LinearPart, other: LinearPart) -> bool:
+    """Whether two numerators with their delays are the same but for a little."""
+    n = 4 + sum(linear.dead_time_windows + linear.b.size for linear in (one, other))
+    return bool(np.max(np.abs(_padded(one, n) - _padded(other, n))) < _SAME)
 
 
 def _padded(linear: LinearPart, n: int) -> Array:

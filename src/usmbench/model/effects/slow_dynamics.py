@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from usmbench.model.effects.base import Array, Context, DynamicsEffect, Parameter, Values
-from usmbench.model.effects.first_order import first_order, lag_and_delay_s
+from usmbench.model.effects.first_order import lag_of
 from usmbench.model.hammerstein import LinearPart
 
 _FASTEST = 1e-3  # a pole nearer to 0 is no lag at this window
@@ -36,9 +36,9 @@ class SlowDynamics(DynamicsEffect):
         added_s, window_s = values["added_s"], context.window_s
         if added_s <= 0.0:
             return linear
-        known = lag_and_delay_s(linear, window_s)
+        known = lag_of(linear, window_s)
         if known is not None:
-            slower = first_order(known[0] + added_s, known[1], window_s)
+            slower = replace(known, tau_s=known.tau_s + added_s).linear_part(window_s)
             return replace(slower, slip_limit_rad_s=linear.slip_limit_rad_s)
         poles = np.roots(np.r_[1.0, linear.a])
         real = (np.abs(poles.imag) < 1e-9) & (poles.real > _FASTEST) & (poles.real < 1.0)

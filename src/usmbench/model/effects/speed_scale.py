@@ -13,7 +13,7 @@ from usmbench.model.effects.base import (
     Stage,
     Values,
 )
-from usmbench.model.effects.first_order import first_order, lag_and_delay_s
+from usmbench.model.effects.first_order import lag_of
 from usmbench.model.hammerstein import LinearPart
 
 
@@ -76,10 +76,10 @@ class MovedContact(SpeedScale, DynamicsEffect):
         linear, context, values
             As in `DynamicsEffect.linear_part`.
         """
-        known, ratio = lag_and_delay_s(linear, context.window_s), 1.0 + values["scale_error"]
+        known, ratio = lag_of(linear, context.window_s), 1.0 + values["scale_error"]
         if known is None or ratio == 1.0:
             return linear
-        other = first_order(known[0] * ratio**2, known[1], context.window_s)
+        other = replace(known, tau_s=known.tau_s * ratio**2).linear_part(context.window_s)
         slip = linear.slip_limit_rad_s
         return replace(other, slip_limit_rad_s=None if slip is None else slip * ratio)
 
@@ -91,7 +91,7 @@ class MovedContact(SpeedScale, DynamicsEffect):
         contexts
             All stretches.
         """
-        if all(lag_and_delay_s(c.linear, c.window_s) is not None for c in contexts):
+        if all(lag_of(c.linear, c.window_s) is not None for c in contexts):
             return None
         return "the model's dynamics are no lag behind a delay"
 

@@ -1,0 +1,42 @@
+"""Speeds that are read at the ends of windows, as the paper's difference equation has them."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from usmbench.identify.fast import FastOptions, identify_fast
+from usmbench.model.effects.first_order import lag_of
+from usmbench.model.hammerstein import LinearPart, StaticCurve
+from usmbench.model.linear import free_run
+from usmbench.runs.record import Record
+
+Measure = Callable[..., Record]
+
+
+def _sampled(curve: StaticCurve, pole: float, late: int) -> Record:
+    """Return a run of ω_k = p ω_{k−1} + (1 − p) v(φ_{k−late}) with a little noise."""
+    rng = np.random.default_rng(3)
+    phase_deg = np.repeat(rng.uniform(-90.0, 90.0, 300), 5)
+    linear = LinearPart(np.array([-pole]), np.array([1.0 - pole]), late, 0.005)
+    clean = free_run(linear, curve.speed_rad_s(phase_deg))
+    n = phase_deg.size
+    noisy = clean + 0.02 * rng.standard_normal(n)
+    return Record("sampled", 0.005 * np.arange(1.0, n + 1.0), phase_deg, noisy, np.full(n, 0.005))
+
+
+@pytest.mark.parametrize(("pole", "late"), [(0.25, 0), (0.5, 0), (0.25, 1)])
+def test_the_papers_equation_is_found(curve: StaticCurve, pole: float, late: int) -> None:
+    found = identify_fast([_sampled(curve, pole, late)], FastOptions())
+    lag = lag_of(found.model.linear, 0.005)
+    assert lag is not None
+    assert lag.sampled
+    assert np.exp(-0.005 / lag.tau_s) == pytest.approx(pole, abs=0.01)
+    assert lag.delay_s == pytest.approx(0.005 * late, abs=5e-5)
+    assert found.scores[0].rmse_free_run_rad_s < 0.022
+
+
+def test_averages_stay_averages(measure: Measure) -> None:
+    lag = lag_of(identify_fast([measure()], FastOptions()).model.linear, 0.01)
+    assert lag is not None
+    assert not lag.sampled
