@@ -2,9 +2,10 @@
 
     python benchmarks/naming_from_csv.py [--seed 1] [--draws 8] [--small]
 
-Where naming_campaign.py drives the simulated testbed, here a motor of a few lines is sampled into
-one or three reference files and a measured one, of 200, 600 or 2000 windows of 10 or 30 ms, with
-white or coloured noise. `usmbench identify` and `usmbench diagnose` see the files and nothing else.
+Where naming_campaign.py drives the simulated testbed, here a motor of a few lines is read into one
+or three reference files and a measured one, of 200, 600 or 2000 windows of 10 or 30 ms, averaged
+over or sampled at their ends, by the same plan or another, with white or coloured noise. `usmbench
+identify` and `usmbench diagnose` see the files and nothing else.
 """
 
 import argparse
@@ -50,7 +51,7 @@ CAUSES = (
     "count_glitches",
 )
 _TIMES_NOISE = (1.5, 0.5)
-_HEALTHY = 6  # as many draws as a cause has
+_HEALTHY = 12  # as many draws as a cause has
 
 
 def conditions_of(rng: np.random.Generator) -> Conditions:
@@ -69,6 +70,8 @@ def conditions_of(rng: np.random.Generator) -> Conditions:
         float(rng.choice([0.01, 0.03, 0.08])),
         float(rng.choice([0.0, 0.0, 0.6])),
         int(rng.choice([1, 3])),
+        str(rng.choice(["", str(rng.choice(KINDS))])),
+        bool(rng.integers(2)),
     )
 
 
@@ -91,7 +94,7 @@ def draw(seed: int, number: int, cause: str, times_noise: float) -> Outcome:
         folder = Path(name)
         references = [str(folder / f"healthy{k}.csv") for k in range(how.n_references)]
         for path in references:
-            _measure(Path(path), motor, how, how.phase_deg(rng), Wrong(), rng)
+            _measure(Path(path), motor, how, how.reference_deg(rng), Wrong(), rng)
         _measure(folder / "measured.csv", motor, how, phase_deg, wrong, rng)
         names, verdict = _diagnosed(folder, references)
     return Outcome(cause, times_noise, how, names, verdict)
@@ -118,7 +121,7 @@ def _size(
 
     def speed(wrong: Wrong) -> Array:
         rng = np.random.default_rng(0)
-        return speed_rad_s(motor, phase_deg, how.window_s, wrong, rng)[0]
+        return speed_rad_s(motor, phase_deg, how.window_s, wrong, rng, sampled=how.sampled)[0]
 
     healthy = speed(Wrong())
     return size_for(
@@ -136,7 +139,7 @@ def _measure(
     wrong: Wrong,
     rng: np.random.Generator,
 ) -> None:
-    speed, angle_rad = speed_rad_s(motor, phase_deg, how.window_s, wrong, rng)
+    speed, angle_rad = speed_rad_s(motor, phase_deg, how.window_s, wrong, rng, sampled=how.sampled)
     noisy = speed + noise_rad_s(how.n, how.noise_rad_s, how.colour, rng)
     write_csv(path, phase_deg, noisy, angle_rad, how.window_s)
 

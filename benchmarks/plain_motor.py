@@ -1,7 +1,7 @@
 """A motor of a few lines, and what may be wrong with it.
 
 A curve with a dead zone and a lag: no torque, no slip, no warm-up. It shares nothing with the
-simulated testbed nor with the model. A window is averaged over fine steps.
+simulated testbed nor with the model. A window is averaged over fine steps, or read at its end.
 """
 
 from collections.abc import Callable
@@ -16,6 +16,13 @@ Array = NDArray[np.float64]
 _FINE = 40  # steps a window
 _GLITCHES = 0.02  # share of windows
 _OFF_COUNT = 0.6  # of the highest speed: counts are lost above
+
+CURVES: dict[str, Callable[[Array], Array]] = {
+    "smooth": np.tanh,
+    "ramp": lambda beyond: np.clip(beyond / 1.3, -1.0, 1.0),
+    "exponential": lambda beyond: np.sign(beyond) * -np.expm1(-np.abs(beyond)),
+}
+"""Speed over the highest, by how many reaches the phase is beyond the dead zone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,12 +39,15 @@ class PlainMotor:
         Highest speed.
     lag_s
         Time constant.
+    curve
+        How the speed saturates: one of `CURVES`.
     """
 
     edges_deg: tuple[float, float]
     reach_deg: float
     top_rad_s: float
     lag_s: float
+    curve: str = "smooth"
 
     def settled_rad_s(self, phase_deg: Array) -> Array:
         """Return the settled speed, shape (N,).
@@ -49,7 +59,7 @@ class PlainMotor:
         """
         low, high = self.edges_deg
         beyond = np.maximum(phase_deg - high, 0.0) - np.maximum(-phase_deg - low, 0.0)
-        settled: Array = self.top_rad_s * np.tanh(beyond / self.reach_deg)
+        settled: Array = self.top_rad_s * CURVES[self.curve](beyond / self.reach_deg)
         return settled
 
 
@@ -93,6 +103,7 @@ def motor_of(rng: np.random.Generator) -> PlainMotor:
         rng.uniform(25.0, 60.0),
         rng.uniform(5.0, 13.0),
         rng.uniform(0.0025, 0.0052),
+        str(rng.choice(list(CURVES))),
     )
 
 
@@ -102,6 +113,8 @@ def speed_rad_s(
     window_s: float,
     wrong: Wrong,
     rng: np.random.Generator,
+    *,
+    sampled: bool = False,
 ) -> tuple[Array, Array]:
     """Return what is measured but for the noise, and the shaft's angle, shape (N,) each.
 
@@ -117,6 +130,8 @@ def speed_rad_s(
         What is wrong: a cause of the library, or "outside", a belt that beats.
     rng
         Where chance comes from, for what strikes single windows.
+    sampled
+        Whether the speed is read at the end of each window instead of averaged over it.
     """
     step_s = window_s / _FINE
     commanded_deg = _commanded(np.repeat(phase_deg, _FINE), step_s, wrong)
@@ -126,7 +141,9 @@ def speed_rad_s(
     fine = 0.5 * (after + np.r_[driven[0], after[:-1]])
     angle_rad = np.cumsum(fine) * step_s
     fine = fine * (1.0 + wrong.of("encoder_eccentricity") * np.cos(angle_rad + 1.0))
-    return _counted(fine.reshape(-1, _FINE).mean(axis=1), wrong, rng), angle_rad[_FINE - 1 :: _FINE]
+    windows = fine.reshape(-1, _FINE)
+    read = windows[:, -1] if sampled else windows.mean(axis=1)
+    return _counted(read, wrong, rng), angle_rad[_FINE - 1 :: _FINE]
 
 
 def _commanded(phase_deg: Array, step_s: float, wrong: Wrong) -> Array:

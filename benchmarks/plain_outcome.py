@@ -28,6 +28,10 @@ class Conditions:
         Standard deviation of the noise, and its correlation from window to window.
     n_references
         Healthy runs that the model is identified from.
+    reference_kind
+        Kind of their plan; empty for the run's own.
+    sampled
+        Whether speeds are read at the ends of windows, not averaged over them.
     """
 
     kind: str
@@ -37,6 +41,8 @@ class Conditions:
     noise_rad_s: float
     colour: float
     n_references: int
+    reference_kind: str = ""
+    sampled: bool = False
 
     def phase_deg(self, rng: np.random.Generator) -> Array:
         """Return a run's phases, shape (n,).
@@ -47,6 +53,16 @@ class Conditions:
             Where chance comes from.
         """
         return plan_deg(self.kind, self.n, self.top_deg, rng)
+
+    def reference_deg(self, rng: np.random.Generator) -> Array:
+        """Return a reference's phases, shape (n,).
+
+        Parameters
+        ----------
+        rng
+            Where chance comes from.
+        """
+        return plan_deg(self.reference_kind or self.kind, self.n, self.top_deg, rng)
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,12 +127,23 @@ def report(outcomes: Sequence[Outcome]) -> None:
         known = [o for o in rows if o.cause != OUTSIDE]
         for n in sorted({o.conditions.n for o in known}):
             _line(f"of the library, {n} windows", [o for o in known if o.conditions.n == n])
+        _by_kind("of the library, ", known)
         _line("all of the library", known)
     healthy = [o for o in outcomes if o.cause == NOTHING]
     print("\nnothing hidden" + " " * 22 + "said so            and nothing named")
     for n in sorted({o.conditions.n for o in healthy}):
         _line(f"{n} windows", [o for o in healthy if o.conditions.n == n])
+    _by_kind("", healthy)
     _line("all", healthy)
+
+
+def _by_kind(name: str, rows: Sequence[Outcome]) -> None:
+    for other in (False, True):
+        mine = [o for o in rows if bool(o.conditions.reference_kind) == other]
+        _line(name + ("another" if other else "the same") + " plan", mine)
+    for sampled in (False, True):
+        mine = [o for o in rows if o.conditions.sampled == sampled]
+        _line(name + ("samples" if sampled else "averages"), mine)
 
 
 def _line(name: str, rows: Sequence[Outcome]) -> None:

@@ -8,7 +8,7 @@ from scipy.signal import lfilter
 
 Array = NDArray[np.float64]
 
-KINDS = ("staircase", "triangle", "multisine", "random")
+KINDS = ("staircase", "triangle", "multisine", "random", "sine", "levels")
 
 
 def plan_deg(kind: str, n: int, top_deg: float, rng: np.random.Generator) -> Array:
@@ -32,6 +32,12 @@ def plan_deg(kind: str, n: int, top_deg: float, rng: np.random.Generator) -> Arr
     if kind == "triangle":
         along = np.arange(n) * max(2, n // 250) / n
         return np.round(top_deg * (1.0 - 4.0 * np.abs(along % 1.0 - 0.5)), 1)
+    if kind == "sine":
+        along = np.arange(n) * max(2, n // 250) / n
+        return np.round(top_deg * np.sin(2.0 * np.pi * along), 1)
+    if kind == "levels":
+        levels_deg = np.linspace(-top_deg, top_deg, 9)
+        return np.repeat(rng.choice(levels_deg, -(-n // 8)), 8)[:n]
     if kind == "random":
         return np.repeat(np.round(rng.uniform(-top_deg, top_deg, -(-n // 6)), 1), 6)[:n]
     tones = np.arange(1, max(3, n // 16))

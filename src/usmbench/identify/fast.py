@@ -60,7 +60,8 @@ def identify_fast(records: Sequence[Record], options: FastOptions) -> Identifica
     linearised = search.problem.linearised()
     best = polished(data, knots_deg, family, search, linearised, priors)
     estimate = Estimate(family, best, linearised, share)
-    if isinstance(family, LagFamily):
+    # A torque limit is simulated through windows' averages.
+    if isinstance(family, LagFamily) and not family.sampled:
         estimate = limited_fit(search, family, best) or estimate
     curves = [StaticCurve(k, d) for k, d in zip(knots_deg, best.delta, strict=True)]
     spread = covariance(estimate, priors)

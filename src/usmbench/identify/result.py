@@ -12,6 +12,7 @@ from usmbench.identify.data import Dataset
 from usmbench.identify.knots import dead_zone_deg
 from usmbench.identify.pieces import Piece, pieces, settled_speed_rad_s
 from usmbench.identify.residual_tests import ResidualTest
+from usmbench.model.effects.first_order import true_dead_time_s
 from usmbench.model.hammerstein import (
     HammersteinModel,
     LinearPart,
@@ -19,7 +20,6 @@ from usmbench.model.hammerstein import (
     StaticCurve,
 )
 from usmbench.model.linear import (
-    dead_time_s,
     delayed,
     free_run,
     time_constant_s,
@@ -107,7 +107,7 @@ class Identification:
             "tau_s": time_constant_s(linear),
             "gain_linear": linear.gain,
             "dead_zone_deg": list(point.dead_zone_deg),
-            "dead_time_s": dead_time_s(linear),
+            "dead_time_s": true_dead_time_s(linear),
             "dead_time_windows": linear.dead_time_windows,
             "slip_limit_rad_s": linear.slip_limit_rad_s,
             **({} if own is None else {"curve_intervals": own[k]}),

@@ -16,9 +16,10 @@ from usmbench.identify.noise import coloured_back, fit_noise
 from usmbench.identify.polish import Polished
 from usmbench.identify.triangle import full_rank, triangle
 from usmbench.model.bernstein import bernstein_basis
+from usmbench.model.effects.first_order import true_dead_time_s
 from usmbench.model.hammerstein import StaticCurve
 from usmbench.model.inverse_map import bezier_abscissa
-from usmbench.model.linear import dead_time_s, time_constant_s
+from usmbench.model.linear import time_constant_s
 
 Array = NDArray[np.float64]
 
@@ -171,7 +172,7 @@ def dynamics_intervals(
 
     def outcome(parameters: Array) -> Array:
         linear = family.dynamics(parameters).linear_part(window_s)
-        tau_s, dead_s = time_constant_s(linear), dead_time_s(linear)
+        tau_s, dead_s = time_constant_s(linear), true_dead_time_s(linear)
         slip_rad_s = linear.slip_limit_rad_s
         ends = [
             np.nan if tau_s is None else np.log(tau_s),

@@ -3,8 +3,9 @@
 from typing import Any
 
 from usmbench.identify.result import Identification, Scores
+from usmbench.model.effects.first_order import true_dead_time_s
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint
-from usmbench.model.linear import dead_time_s, time_constant_s
+from usmbench.model.linear import time_constant_s
 
 _WIDTH = 22
 
@@ -42,7 +43,7 @@ def identification_table(found: Identification) -> str:
 def _dynamics(model: HammersteinModel) -> list[str]:
     """Lines about the linear part."""
     linear, intervals = model.linear, model.intervals
-    tau_s, dead_s = time_constant_s(linear), dead_time_s(linear)
+    tau_s, dead_s = time_constant_s(linear), true_dead_time_s(linear)
     lines = [
         _line("a", _numbers(linear.a.tolist())),
         _line("b", f"{_numbers(linear.b.tolist())}  (gain {linear.gain:.6g})"),

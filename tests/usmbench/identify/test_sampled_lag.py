@@ -34,6 +34,10 @@ def test_the_papers_equation_is_found(curve: StaticCurve, pole: float, late: int
     assert np.exp(-0.005 / lag.tau_s) == pytest.approx(pole, abs=0.01)
     assert lag.delay_s == pytest.approx(0.005 * late, abs=5e-5)
     assert found.scores[0].rmse_free_run_rad_s < 0.022
+    said = found.to_json()
+    assert said["dead_time_s"] == pytest.approx(0.005 * late, abs=5e-5)
+    low_s, high_s = found.model.intervals["dead_time_s"]
+    assert low_s <= said["dead_time_s"] <= high_s
 
 
 def test_averages_stay_averages(measure: Measure) -> None:

@@ -83,6 +83,24 @@ def lag_of(linear: LinearPart, window_s: float) -> Lag | None:
     return sampled if _same(sampled.linear_part(window_s), linear) else None
 
 
+def true_dead_time_s(linear: LinearPart) -> float | None:
+    """Return how late commands act, whichever way speeds are read.
+
+    Parameters
+    ----------
+    linear
+        The difference equation.
+
+    Returns
+    -------
+    float or None
+        The delay of a lag that is sampled; else what `usmbench.model.linear.dead_time_s` says,
+        which takes speeds for averages over windows.
+    """
+    lag = None if linear.window_s is None else lag_of(linear, linear.window_s)
+    return lag.delay_s if lag is not None and lag.sampled else dead_time_s(linear)
+
+
 def first_order(tau_s: float, delay_s: float, window_s: float) -> LinearPart:
     """Return the linear part of a lag behind a delay, for speeds averaged over windows.
 
