@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+from usmbench.model.effects.play import passed_on
 
 
 class CouplingBacklash(Effect):
@@ -27,18 +28,8 @@ class CouplingBacklash(Effect):
         gap_rad = values["gap_rad"]
         if gap_rad <= 0.0:
             return signal
-        moves_rad = _moves_rad(signal, context)
-        way = _latest(np.sign(moves_rad))
-        begins = np.flatnonzero(np.diff(way, prepend=np.nan))
-        lengths = np.diff(begins, append=way.size)
-        whole_rad = np.add.reduceat(np.abs(moves_rad), begins)
-        ahead_rad = np.repeat(_ahead_rad(whole_rad, gap_rad), lengths)
-        before_rad = np.repeat(np.cumsum(whole_rad) - whole_rad, lengths)
-        path_rad = np.cumsum(np.abs(moves_rad)) - before_rad
-        disc_rad = np.maximum(path_rad - ahead_rad, 0.0)
-        carried_rad = np.diff(disc_rad, prepend=0.0)
-        carried_rad[begins] = disc_rad[begins]
-        carried: Array = (way * carried_rad).reshape(-1, 2).sum(axis=1) / context.window_s
+        moves_rad = passed_on(_moves_rad(signal, context), gap_rad)
+        carried: Array = moves_rad.reshape(-1, 2).sum(axis=1) / context.window_s
         return carried
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
@@ -78,26 +69,6 @@ def _moves_rad(shaft_rad_s: Array, context: Context) -> Array:
     reverses &= (share > 0.0) & (share < 1.0)
     first = np.where(reverses, share * before, shaft_rad_s)
     return np.column_stack((first, shaft_rad_s - first)).ravel() * context.window_s
-
-
-def _ahead_rad(turned_rad: Array, gap_rad: float) -> Array:
-    """Return the rotor's path to the flank that drives the disc, at the begin of each way."""
-    found, ahead_rad = np.zeros_like(turned_rad), 0.0
-    for k, path_rad in enumerate(turned_rad.tolist()):
-        found[k] = ahead_rad
-        ahead_rad = gap_rad - max(ahead_rad - path_rad, 0.0)
-    return found
-
-
-def _latest(way: Array) -> Array:
-    """Last way that was not 0; before the first, that one."""
-    moving = np.flatnonzero(way)
-    if moving.size == 0:
-        return way
-    rows = np.arange(way.size)
-    last = np.maximum.accumulate(np.where(way != 0.0, rows, moving[0]))
-    filled: Array = way[last]
-    return filled
 
 
 FORMS = (CouplingBacklash(),)

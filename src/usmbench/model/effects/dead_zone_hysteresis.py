@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+from usmbench.model.effects.play import passed_on
 
 _STANDING = 0.01  # share of the highest settled speed of the stretch below which the rotor stands
 _MANY_PHASES = 100
@@ -121,6 +122,45 @@ class DirectedEdges(Effect):
         )
 
 
+class Play(Effect):
+    """v′ = v(p), where p follows φ only after it has crossed a gap of h: it lags on either way."""
+
+    name = "dead_zone_hysteresis"
+    form = "play"
+    meaning = _MEANING
+    mend = _MEND
+    stage = "settled"
+    parameters = (Parameter("width_deg", "deg", 0.0, 0.0, 60.0, 1.0, scanned=True),)
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the settled speed at the phases that have crossed the gap.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        moves_deg, width_deg = np.diff(context.phase_deg), values["width_deg"]
+        if width_deg <= 0.0 or not np.any(moves_deg):
+            return signal
+        # Where it began is not known: at the flank of its first move.
+        begin_deg = context.phase_deg[0] - 0.5 * width_deg * np.sign(moves_deg[moves_deg != 0.0][0])
+        passed_deg = np.cumsum(passed_on(moves_deg, width_deg))
+        behind_deg = begin_deg + np.concatenate(([0.0], passed_deg))
+        plain = context.settled_rad_s(context.phase_deg)
+        return signal + context.settled_rad_s(behind_deg) - plain
+
+    def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
+        """Return widths from a fiftieth of a degree to that of a wide dead zone.
+
+        Parameters
+        ----------
+        contexts
+            All stretches.
+        """
+        return {"width_deg": np.geomspace(0.02, 40.0, 30)}
+
+
 def _into_run_deg(context: Context) -> Array:
     """By how many degrees the phases at which the rotor runs lie beyond the dead zone, shape (K,).
 
@@ -166,4 +206,4 @@ def _latest(step: Array) -> Array:
     return np.where(last >= 0, step[np.maximum(last, 0)], 0.0)
 
 
-FORMS = (Sticking(), AtRest(), Forwards(), Backwards(), DirectedEdges())
+FORMS = (Sticking(), AtRest(), Forwards(), Backwards(), DirectedEdges(), Play())

@@ -8,7 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from usmbench.model.effects.base import Context, Effect
-from usmbench.model.effects.dead_zone_hysteresis import FORMS, AtRest, Backwards, Forwards, Sticking
+from usmbench.model.effects.dead_zone_hysteresis import (
+    FORMS,
+    AtRest,
+    Backwards,
+    Forwards,
+    Play,
+    Sticking,
+)
 from usmbench.model.hammerstein import LinearPart, StaticCurve
 
 WINDOW_S = 0.01
@@ -89,3 +96,23 @@ def test_a_motor_that_is_wired_the_other_way_sticks_as_far_out(effect: Effect) -
     found = other.apply(turned.settled_rad_s(turned.phase_deg), turned, values)
     assert np.max(np.abs(plain - context.settled_rad_s(context.phase_deg))) > 0.1
     assert np.array_equal(found, -plain)
+
+
+def _behind_deg(phase_deg: np.ndarray, width_deg: float) -> np.ndarray:
+    """Return the phases behind a gap, from the flank of the first move on."""
+    first = np.sign(np.diff(phase_deg)[np.flatnonzero(np.diff(phase_deg))[0]])
+    found = [float(phase_deg[0] - 0.5 * width_deg * first)]
+    for phase in phase_deg[1:].tolist():
+        found.append(min(max(found[-1], phase - 0.5 * width_deg), phase + 0.5 * width_deg))
+    return np.array(found)
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.integers(0, 9999), st.floats(0.1, 30.0))
+def test_a_play_is_that_of_each_window_after_the_other(seed: int, width_deg: float) -> None:
+    phase_deg = np.repeat(np.random.default_rng(seed).uniform(-90.0, 90.0, 40), 3)
+    context = replace(context_of([0.0]), phase_deg=phase_deg)
+    settled = CURVE.speed_rad_s(phase_deg)
+    found = Play().apply(settled, context, {"width_deg": width_deg})
+    wanted = CURVE.speed_rad_s(_behind_deg(phase_deg, width_deg))
+    assert np.allclose(found, wanted, atol=1e-6)
