@@ -3,8 +3,8 @@
     python benchmarks/naming_from_csv.py [--seed 1] [--draws 8] [--small]
 
 Where naming_campaign.py drives the simulated testbed, here a motor of a few lines is read into one
-or three reference files and a measured one, of 200, 600 or 2000 windows of 10 or 30 ms, averaged
-over or sampled at their ends, by the same plan or another, with white or coloured noise. `usmbench
+or three reference files and a measured one, of 200, 600 or 2000 windows of 5, 10 or 30 ms,
+averaged over or sampled at their ends, by the same plan or another, with white or coloured noise. `usmbench
 identify` and `usmbench diagnose` see the files and nothing else.
 """
 
@@ -51,7 +51,7 @@ CAUSES = (
     "count_glitches",
 )
 _TIMES_NOISE = (1.5, 0.5)
-_HEALTHY = 12  # as many draws as a cause has
+_HEALTHY = 16  # as many draws as a cause has
 
 
 def conditions_of(rng: np.random.Generator) -> Conditions:
@@ -66,7 +66,7 @@ def conditions_of(rng: np.random.Generator) -> Conditions:
         str(rng.choice(KINDS)),
         int(rng.choice([200, 600, 2000])),
         float(rng.choice([60.0, 90.0, 120.0])),
-        float(rng.choice([0.01, 0.03])),
+        float(rng.choice([0.005, 0.01, 0.03])),
         float(rng.choice([0.01, 0.03, 0.08])),
         float(rng.choice([0.0, 0.0, 0.6])),
         int(rng.choice([1, 3])),
