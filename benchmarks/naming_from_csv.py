@@ -3,8 +3,8 @@
     python benchmarks/naming_from_csv.py [--seed 1] [--draws 8] [--small]
 
 Where naming_campaign.py drives the simulated testbed, here a motor of a few lines is read into one
-or three reference files and a measured one, of 200, 600 or 2000 windows of 5, 10 or 30 ms,
-averaged over or sampled at their ends, by the same plan or another, with white or coloured noise. `usmbench
+or three reference files and a measured one, of 200, 600 or 2000 windows of 5, 10 or 30 ms, averaged
+over or sampled at their ends, by the same plan or another, with white or coloured noise. `usmbench
 identify` and `usmbench diagnose` see the files and nothing else.
 """
 
