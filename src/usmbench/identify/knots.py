@@ -101,6 +101,8 @@ def knees_deg(curve: StaticCurve, edges_deg: tuple[float, ...]) -> tuple[float, 
             continue
         slope = way * np.gradient(size[beyond], grid_deg[beyond])
         at = int(np.argmax(slope))
+        if slope[at] <= 0.0:
+            continue
         rest = float(np.max(size[beyond])) - float(size[beyond][at])
         knee_deg = float(grid_deg[beyond][at]) + way * rest / float(slope[at])
         if grid_deg[0] + margin_deg < knee_deg < grid_deg[-1] - margin_deg:

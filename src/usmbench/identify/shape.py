@@ -203,7 +203,10 @@ def _or_sampled(averaged: Projected) -> Projected:
         _FINE_TOLERANCE,
     )
     gained = averaged.fit.sse - sampled.fit.sse
-    least = max(_PLAINLY * min(residual_scales(sampled)) ** 2, _PLAIN_SHARE * averaged.fit.sse)
+    # Without noise there is no scale to speak of.
+    mean_square = sampled.fit.sse / sum(s.speed_rad_s.size for s in sampled.stretches)
+    square = min(min(residual_scales(sampled)) ** 2, mean_square)
+    least = max(_PLAINLY * square, _PLAIN_SHARE * averaged.fit.sse)
     return sampled if gained > least else averaged
 
 

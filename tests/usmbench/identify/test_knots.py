@@ -32,3 +32,8 @@ def test_a_speed_that_rises_to_the_end_has_none() -> None:
     phase_deg = np.linspace(-90.0, 90.0, 400)
     curve = _fitted(0.1 * phase_deg, phase_deg)
     assert knees_deg(curve, (-5.0, 5.0)) == ()
+
+
+def test_a_motor_that_never_turns_has_none() -> None:
+    curve = StaticCurve(np.linspace(-90.0, 90.0, 5), np.zeros(5))
+    assert knees_deg(curve, (0.0,)) == ()

@@ -14,14 +14,14 @@ from usmbench.runs.record import Record
 Measure = Callable[..., Record]
 
 
-def _sampled(curve: StaticCurve, pole: float, late: int) -> Record:
+def _sampled(curve: StaticCurve, pole: float, late: int, noise_rad_s: float = 0.02) -> Record:
     """Return a run of ω_k = p ω_{k−1} + (1 − p) v(φ_{k−late}) with a little noise."""
     rng = np.random.default_rng(3)
     phase_deg = np.repeat(rng.uniform(-90.0, 90.0, 300), 5)
     linear = LinearPart(np.array([-pole]), np.array([1.0 - pole]), late, 0.005)
     clean = free_run(linear, curve.speed_rad_s(phase_deg))
     n = phase_deg.size
-    noisy = clean + 0.02 * rng.standard_normal(n)
+    noisy = clean + noise_rad_s * rng.standard_normal(n)
     return Record("sampled", 0.005 * np.arange(1.0, n + 1.0), phase_deg, noisy, np.full(n, 0.005))
 
 
@@ -38,6 +38,13 @@ def test_the_papers_equation_is_found(curve: StaticCurve, pole: float, late: int
     assert said["dead_time_s"] == pytest.approx(0.005 * late, abs=5e-5)
     low_s, high_s = found.model.intervals["dead_time_s"]
     assert low_s <= said["dead_time_s"] <= high_s
+
+
+def test_no_noise_is_needed(curve: StaticCurve) -> None:
+    found = identify_fast([_sampled(curve, 0.4, 0, 0.0)], FastOptions())
+    lag = lag_of(found.model.linear, 0.005)
+    assert lag is not None
+    assert lag.sampled
 
 
 def test_averages_stay_averages(measure: Measure) -> None:
