@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from benchmarks.plain_motor import (
     PlainMotor,
     Wrong,
-    motor_of,
+    motor_of_any_curve,
     size_for,
     sizes_of,
     speed_rad_s,
@@ -105,7 +105,7 @@ def _drawn(
 ) -> tuple[PlainMotor, Conditions, Array, float]:
     """Draw motor and conditions until some size of the cause does as much."""
     while True:
-        motor, how = motor_of(rng), conditions_of(rng)
+        motor, how = motor_of_any_curve(rng), conditions_of(rng)
         phase_deg = how.phase_deg(rng)
         if cause == NOTHING:
             return motor, how, phase_deg, 0.0

@@ -5,7 +5,7 @@ simulated testbed nor with the model. A window is averaged over fine steps, or r
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,7 +90,7 @@ class Wrong:
 
 
 def motor_of(rng: np.random.Generator) -> PlainMotor:
-    """Draw a motor.
+    """Draw a motor that saturates smoothly.
 
     Parameters
     ----------
@@ -103,8 +103,18 @@ def motor_of(rng: np.random.Generator) -> PlainMotor:
         rng.uniform(25.0, 60.0),
         rng.uniform(5.0, 13.0),
         rng.uniform(0.0025, 0.0052),
-        str(rng.choice(list(CURVES))),
     )
+
+
+def motor_of_any_curve(rng: np.random.Generator) -> PlainMotor:
+    """Draw a motor that saturates in any way.
+
+    Parameters
+    ----------
+    rng
+        Where chance comes from.
+    """
+    return replace(motor_of(rng), curve=str(rng.choice(list(CURVES))))
 
 
 def speed_rad_s(
