@@ -163,7 +163,8 @@ class LagFamily:
     """First-order lags with a true dead time, seen through window averages, or at windows' ends.
 
     The parameters are ln(τ/T) and the dead time over T, for windows of length T. Speeds are
-    averages over windows; a phase counts from the start of the window in which it is commanded.
+    averages over windows unless sampled; a phase counts from the start of the window in which it
+    is commanded.
     With f the dead time's part of a window beyond D whole ones, u = τ/T and p = exp(−1/u), the
     averages of the unit step's response are ``s_0 = (1 − f) − u (1 − exp(−(1 − f)/u))`` and
     ``s_k = 1 − u (1 − p) exp(−(k − f)/u)``, which is the difference equation with a_1 = −p,
