@@ -20,7 +20,15 @@ from functools import partial
 from pathlib import Path
 
 from benchmarks.campaign_bench import REFERENCE_S, SMALL_REFERENCE_S, MotorBench
-from benchmarks.campaign_draws import LENGTHS_S, STRENGTHS, WANDERS, Choice, draws, motor_of
+from benchmarks.campaign_draws import (
+    LENGTHS_S,
+    SMALL_LENGTHS_S,
+    STRENGTHS,
+    WANDERS,
+    Choice,
+    draws,
+    motor_of,
+)
 from benchmarks.campaign_tables import Row, report, wrong_ones
 from hil_sim.defects import CATALOGUE
 from usmbench.errors import UsmbenchError
@@ -52,7 +60,7 @@ class Campaign:
     wanders: tuple[float, ...] = WANDERS
     choice: Choice = field(default_factory=Choice)
     runs: Path | None = None
-    reference_s: float = REFERENCE_S
+    reference_s: float = max(LENGTHS_S)
 
 
 def work(campaign: Campaign, number: int) -> Iterator[str]:
@@ -142,8 +150,12 @@ def _driven(arguments: argparse.Namespace) -> list[Row]:
     """Run the campaign and keep its record."""
     n_draws, processes = arguments.draws, arguments.processes
     motors = range(arguments.first, arguments.first + arguments.motors)
+    lengths_s = tuple(arguments.lengths)
+    # How a motor warms is known for as long as it was watched.
+    reference_s = max(REFERENCE_S, *lengths_s)
     if arguments.small:
         motors, n_draws, processes = motors[:1], 3, 1
+        lengths_s, reference_s = SMALL_LENGTHS_S, SMALL_REFERENCE_S
     campaign = Campaign(
         arguments.seed,
         n_draws,
@@ -153,10 +165,10 @@ def _driven(arguments: argparse.Namespace) -> list[Row]:
             tuple(arguments.strengths),
             tuple(arguments.mechanisms),
             arguments.two_frequencies,
-            tuple(arguments.lengths),
+            lengths_s,
         ),
         arguments.runs,
-        SMALL_REFERENCE_S if arguments.small else REFERENCE_S,
+        reference_s,
     )
     lines = []
     with tempfile.NamedTemporaryFile("w") as nowhere:
