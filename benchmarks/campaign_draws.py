@@ -19,10 +19,8 @@ from usmbench.model.effects.registry import library
 
 STRENGTHS = (0.3, 1.0, 3.0, 10.0)
 COLOURS_S = (0.003, 0.01, 0.03)
-LENGTHS_S = (
-    40.0,
-    60.0,
-)  # about as long as the plan that comes with usmbench, and half as long again
+# About as long as the plan that comes with usmbench, and half as long again.
+LENGTHS_S = (40.0, 60.0)
 SMALL_LENGTHS_S = (12.0, 30.0)
 WANDERS = (0.0, 0.003, 0.01)
 GROUPS = (
