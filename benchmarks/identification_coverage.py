@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from usmbench.identify.dynamics import LagFamily
 from usmbench.identify.fast import FastOptions, identify_fast
 from usmbench.identify.knots import dead_zone_deg
+from usmbench.identify.lag_family import LagFamily
 from usmbench.model.hammerstein import LinearPart, StaticCurve
 from usmbench.model.linear import free_run
 from usmbench.runs.record import Record

@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from benchmarks.testbed_runs import excitation, head, measured, staircase
-from usmbench.identify.dynamics import LagFamily
 from usmbench.identify.fast import FastOptions, identify_fast
+from usmbench.identify.lag_family import LagFamily
 from usmbench.identify.paper import KNOTS_BOTH_WAYS_DEG, PaperOptions, identify_paper
 from usmbench.model.bernstein import bernstein_basis
 from usmbench.model.hammerstein import HammersteinModel

@@ -1,6 +1,5 @@
-"""Families of linear parts to search in: a lag with a true dead time, or free coefficients."""
+"""Linear parts of unit gain, and families of them to search in; free coefficients are one."""
 
-import math
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -13,10 +12,6 @@ from usmbench.model.linear import from_rest, poles
 Array = NDArray[np.float64]
 
 _STABLE = 0.9999
-_SHORTEST, _LONGEST = 0.02, 1e4  # time constant in windows
-_STARTING_LAGS = (0.15, 1.0, 6.0)  # windows
-LONGER_DEAD_TIME = 2.0  # windows by which a search may go beyond the dead time that it starts from
-_DIFFERENCE = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,111 +151,3 @@ class FreeFamily:
             (a, β).
         """
         return np.eye(parameters.size)
-
-
-@dataclass(frozen=True, slots=True)
-class LagFamily:
-    """First-order lags with a true dead time, seen through window averages, or at windows' ends.
-
-    The parameters are ln(τ/T) and the dead time over T, for windows of length T. Speeds are
-    averages over windows unless sampled; a phase counts from the start of the window in which it
-    is commanded.
-    With f the dead time's part of a window beyond D whole ones, u = τ/T and p = exp(−1/u), the
-    averages of the unit step's response are ``s_0 = (1 − f) − u (1 − exp(−(1 − f)/u))`` and
-    ``s_k = 1 − u (1 − p) exp(−(k − f)/u)``, which is the difference equation with a_1 = −p,
-    b_0 = s_0, b_1 = s_1 − (1 + p) s_0, b_2 = s_2 − s_1 − p (s_1 − s_0) and no more terms. At the
-    ends of windows ``s_k = 1 − exp(−(k + 1 − f)/u)``; without a dead time that is the paper's
-    difference equation with n_a = 1, n_b = 0.
-
-    Parameters
-    ----------
-    longest_dead_time
-        Largest dead time in windows.
-    sampled
-        Whether speeds are those at the ends of windows.
-    """
-
-    longest_dead_time: float
-    sampled: bool = False
-
-    def dynamics(self, parameters: Array) -> Dynamics:
-        """Return the linear part.
-
-        Parameters
-        ----------
-        parameters
-            ln(τ/T) and dead time over T, shape (2,).
-        """
-        u, dead = math.exp(parameters[0]), float(parameters[1])
-        whole = math.floor(dead)
-        return self._at(u, whole, dead - whole)
-
-    def _at(self, u: float, whole: int, f: float) -> Dynamics:
-        p = math.exp(-1.0 / u)
-        left = math.exp(-(1.0 - f) / u)
-        if self.sampled:
-            return Dynamics(np.array([-p]), np.array([left - p, 0.0]) / (1.0 - p), whole)
-        s0 = (1.0 - f) + u * math.expm1(-(1.0 - f) / u)
-        s1 = 1.0 - u * (1.0 - p) * left
-        s2 = 1.0 - u * (1.0 - p) * left * p
-        b = np.array([s0, s1 - (1.0 + p) * s0, s2 - s1 - p * (s1 - s0)])
-        return Dynamics(np.array([-p]), b[1:] / b.sum(), whole)
-
-    def parameters(self, dynamics: Dynamics) -> Array:
-        """Return the lag with the same pole and dead time.
-
-        Parameters
-        ----------
-        dynamics
-            With n_a = 1.
-        """
-        pole = min(max(-float(dynamics.a[0]), 0.02), 0.999)
-        return np.array([math.log(-1.0 / math.log(pole)), dynamics.dead_time_windows + 0.25])
-
-    def starts(self) -> list[Array]:
-        """Return lags from short to long, without a dead time and with the one of the start.
-
-        Returns
-        -------
-        list of Array
-            Parameters, shape (2,) each.
-        """
-        dead_times = {0.0, max(self.longest_dead_time - LONGER_DEAD_TIME, 0.0)}
-        return [
-            np.array([math.log(lag), dead]) for lag in _STARTING_LAGS for dead in sorted(dead_times)
-        ]
-
-    def moved(self, parameters: Array, step: Array) -> Array:
-        """Return the sum, with both parameters kept in their bounds.
-
-        Parameters
-        ----------
-        parameters, step
-            Where from and how far, shape (2,).
-        """
-        low = np.array([math.log(_SHORTEST), 0.0])
-        high = np.array([math.log(_LONGEST), self.longest_dead_time])
-        moved: Array = np.clip(parameters + step, low, high)
-        return moved
-
-    def jacobian(self, parameters: Array) -> Array:
-        """Return the derivatives of (a_1, β_1, β_2) by central differences within the window.
-
-        Parameters
-        ----------
-        parameters
-            ln(τ/T) and dead time over T, shape (2,).
-        """
-        u, dead = float(parameters[0]), float(parameters[1])
-        whole = math.floor(dead)
-        f, h = dead - whole, _DIFFERENCE
-        columns = [
-            [self._at(math.exp(u + side * h), whole, f) for side in (1, -1)],
-            [self._at(math.exp(u), whole, f + side * h) for side in (1, -1)],
-        ]
-        return np.column_stack(
-            [
-                np.concatenate((up.a - down.a, up.beta - down.beta)) / (2.0 * h)
-                for up, down in columns
-            ]
-        )

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.identify.data import Dataset, describe
-from usmbench.identify.dynamics import LagFamily
 from usmbench.identify.gather import from_windows
+from usmbench.identify.lag_family import LagFamily
 from usmbench.identify.polish import polished
 from usmbench.identify.residual_tests import residual_tests
 from usmbench.identify.result import Identification, assemble

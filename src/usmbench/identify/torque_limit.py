@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from usmbench.identify.courses import Course, courses_of, fitted_dynamics, scaled_residual
 from usmbench.identify.design import Stretch
-from usmbench.identify.dynamics import Dynamics, LagFamily, Parametrised
+from usmbench.identify.dynamics import Dynamics, Parametrised
+from usmbench.identify.lag_family import LagFamily
 from usmbench.identify.linearised import Linearisation, Linearised
 from usmbench.identify.polish import Polished
 from usmbench.identify.robust import RobustFit, bisquare_root, changing_rows, scales

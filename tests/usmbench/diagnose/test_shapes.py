@@ -8,7 +8,7 @@ import pytest
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.shapes import detuned_rad_s, shown, unmeasured_rad_s
 from usmbench.diagnose.stretches import Stretch
-from usmbench.identify.dynamics import LagFamily
+from usmbench.identify.lag_family import LagFamily
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
 from usmbench.model.linear import free_run
 from usmbench.runs.record import Record

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from usmbench.identify.dynamics import LagFamily
+from usmbench.identify.lag_family import LagFamily
 from usmbench.model.hammerstein import StaticCurve
 from usmbench.model.linear import free_run
 from usmbench.runs.record import Record

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from usmbench.errors import InputError
-from usmbench.identify.dynamics import LagFamily
 from usmbench.identify.fast import FastOptions, identify_fast
 from usmbench.identify.knots import dead_zone_deg
+from usmbench.identify.lag_family import LagFamily
 from usmbench.model.hammerstein import StaticCurve
 from usmbench.model.linear import dead_time_s, free_run, time_constant_s
 from usmbench.model.simulate import simulate

@@ -9,9 +9,10 @@ import pytest
 from usmbench.identify import pieces
 from usmbench.identify.data import Dataset
 from usmbench.identify.design import build_design, stacked_basis
-from usmbench.identify.dynamics import FreeFamily, LagFamily
+from usmbench.identify.dynamics import FreeFamily
 from usmbench.identify.fast import FastOptions, identify_fast
 from usmbench.identify.gather import from_windows
+from usmbench.identify.lag_family import LagFamily
 from usmbench.identify.output_error import fit_output_error
 from usmbench.identify.polish import polished
 from usmbench.identify.projected import Projected

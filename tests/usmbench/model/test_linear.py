@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from usmbench.identify.dynamics import LagFamily
+from usmbench.identify.lag_family import LagFamily
 from usmbench.model.hammerstein import LinearPart
 from usmbench.model.linear import (
     dead_time_s,

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from usmbench.identify.dynamics import LagFamily
+from usmbench.identify.lag_family import LagFamily
 from usmbench.model.effects.base import Context
 from usmbench.model.effects.slow_dynamics import SlowDynamics
 from usmbench.model.effects.transport_delay import TransportDelay
