@@ -1,24 +1,14 @@
-"""The run folder while a run is measured: every row on disk, whatever happens to the process.
+"""The run folder while a run is measured: every row on disk, whatever happens to the process."""
 
-Numbers are written with 12 significant digits (a relative error of at most 5e-12): a day of time
-stamps to the microsecond, a day of angle at full speed to the microradian.
-"""
-
-import secrets
 import shutil
 import time
 from collections.abc import Mapping
-from datetime import datetime
 from pathlib import Path
 from typing import Any, Self
 
-import yaml
-
-from usmbench import __version__
 from usmbench.errors import BenchError, InputError
 from usmbench.instruments.samples import SampleBlock
 from usmbench.runs.columns import (
-    FORMAT,
     PAIR_COLUMNS_WRITTEN,
     PAIRS_FILE,
     RAW_FILE,
@@ -29,18 +19,16 @@ from usmbench.runs.columns import (
     WINDOWS_FILE,
 )
 from usmbench.runs.disk_sync import DiskSync
-from usmbench.runs.files import AppendedFile, disk_error, replace_file, sync_folder
-from usmbench.runs.meta import now_iso, read_meta, sha256_of
+from usmbench.runs.files import AppendedFile, disk_error, sync_folder
 from usmbench.runs.raw import RawWriter
+from usmbench.runs.row_text import pair_text, window_text
+from usmbench.runs.run_yaml import begin_meta, close_meta, new_meta, resumed_meta
 from usmbench.runs.stop_point import StopPoint, columns_of, stop_point
 from usmbench.runs.stop_request import forget_stop_request
 from usmbench.sweep.rows import PairRow, WindowRow
 
 # At most a second between forced writes, with a margin for one window.
 _SYNC_PERIOD_S = 0.9
-# Given back before run.yaml is closed, so that a full disk can still be told about.
-_RESERVE_FILE = ".reserve"
-_RESERVE_BYTES = 65536
 
 
 class RunWriter:
@@ -98,13 +86,6 @@ class RunWriter:
             The folder exists, or cannot be made or written.
         """
         folder = Path(folder)
-        started = datetime.now().astimezone()
-        head = {
-            "format": FORMAT,
-            "id": f"{started:%Y%m%dT%H%M%S}-{secrets.token_hex(4)}",
-            "started": started.isoformat(timespec="milliseconds"),
-            "software": f"usmbench {__version__}",
-        }
         try:
             folder.mkdir(parents=True)
         except FileExistsError:
@@ -116,7 +97,7 @@ class RunWriter:
                 f"cannot be made: {error.strerror}; name another folder", file=folder
             ) from error
         try:
-            return cls._begin(folder, head | dict(meta), temperature=temperature, raw=raw)
+            return cls._begin(folder, new_meta(meta), temperature=temperature, raw=raw)
         except (OSError, BenchError) as error:
             shutil.rmtree(folder, ignore_errors=True)
             why = error.strerror if isinstance(error, OSError) else error
@@ -127,8 +108,7 @@ class RunWriter:
     @classmethod
     def _begin(cls, folder: Path, meta: dict[str, Any], *, temperature: bool, raw: bool) -> Self:
         """Write run.yaml and the head of every file."""
-        replace_file(folder / RUN_FILE, _yaml(meta))
-        (folder / _RESERVE_FILE).write_bytes(bytes(_RESERVE_BYTES))
+        begin_meta(folder, meta)
         writer = cls(folder, meta, temperature=temperature, raw=raw)
         writer._write_heads()
         sync_folder(folder)
@@ -157,19 +137,12 @@ class RunWriter:
             The folder cannot be written.
         """
         folder = Path(folder)
-        meta = read_meta(folder)
-        if meta.get("exit") == "completed":
-            raise InputError("the run is complete, there is nothing to resume", file=folder)
-        for key in ("exit", "stopped", "sha256"):
-            meta.pop(key, None)
-        before = meta.get("resumed")
-        meta["resumed"] = [*(before if isinstance(before, list) else []), now_iso()]
+        meta = resumed_meta(folder)
         columns = columns_of(folder / WINDOWS_FILE, (WINDOW_COLUMNS, WINDOW_COLUMNS_T))
         columns_of(folder / PAIRS_FILE, (PAIR_COLUMNS_WRITTEN,))
         try:
             forget_stop_request(folder)
-            replace_file(folder / RUN_FILE, _yaml(meta))
-            (folder / _RESERVE_FILE).write_bytes(bytes(_RESERVE_BYTES))
+            begin_meta(folder, meta)
         except OSError as error:
             raise disk_error(folder / RUN_FILE, error) from error
         writer = cls(
@@ -205,14 +178,7 @@ class RunWriter:
         usmbench.errors.BenchError
             The row could not be written, or the disk has not taken those before it.
         """
-        text = (
-            f"{row.t_s:.12g},{row.phase_deg:.12g},{row.speed_rad_s:.12g},{row.frequency_hz:.12g},"
-            f"{row.torque_nm:.12g},{row.angle_rad:.12g},{row.window_s:.12g},{row.sweep:d},"
-            f"{row.settled:d},{row.average_rad_s:.12g},{row.drive_on:d}"
-        )
-        if self._temperature:
-            text += ",nan" if row.temperature_c is None else f",{row.temperature_c:.12g}"
-        self._append(self._windows, text)
+        self._append(self._windows, window_text(row, temperature=self._temperature))
         if time.monotonic() - self._synced >= _SYNC_PERIOD_S:
             self._force()
 
@@ -229,12 +195,7 @@ class RunWriter:
         usmbench.errors.BenchError
             The row could not be written, or the disk has not taken those before it.
         """
-        self._append(
-            self._pairs,
-            f"{row.phase_deg:.12g},{row.frequency_hz:.12g},{row.torque_nm:.12g},"
-            f"{row.speed_rad_s:.12g},{row.speed_std_rad_s:.12g},{row.n_windows:d},"
-            f"{row.direction:d},{row.t_s:.12g},{row.dwell:d},{row.settled:d}",
-        )
+        self._append(self._pairs, pair_text(row))
         self._force()
 
     def raw(self, block: SampleBlock) -> None:
@@ -280,7 +241,8 @@ class RunWriter:
             outcome = f"failed: {self._failure}"
         try:
             self._close_files()
-            self._close_meta(outcome, extra)
+            names = [WINDOWS_FILE, PAIRS_FILE] + ([RAW_FILE] if self._raw else [])
+            close_meta(self.folder, self._meta, outcome, names, extra)
         except BenchError:
             if not outcome.startswith("failed"):
                 raise
@@ -294,19 +256,6 @@ class RunWriter:
             self._pairs.close()
             if self._raw is not None:
                 self._raw.close()
-
-    def _close_meta(self, outcome: str, extra: Mapping[str, Any]) -> None:
-        """Say in run.yaml how the run ended."""
-        path = self.folder / RUN_FILE
-        try:
-            (self.folder / _RESERVE_FILE).unlink(missing_ok=True)
-            forget_stop_request(self.folder)
-            names = [WINDOWS_FILE, PAIRS_FILE] + ([RAW_FILE] if self._raw else [])
-            stopped = {"stopped": now_iso(), "exit": outcome, **extra}
-            sums = {"sha256": {name: sha256_of(self.folder / name) for name in names}}
-            replace_file(path, _yaml(self._meta | stopped | sums))
-        except OSError as error:
-            raise disk_error(path, error) from error
 
     def _append(self, file: AppendedFile, row: str) -> None:
         """Append one row and remember a failure for `close`."""
@@ -328,8 +277,3 @@ class RunWriter:
         self._pairs.sync()
         if self._raw is not None:
             self._raw.sync()
-
-
-def _yaml(meta: Mapping[str, Any]) -> bytes:
-    """Return run.yaml's text."""
-    return yaml.safe_dump(dict(meta), sort_keys=False, allow_unicode=True).encode()
