@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
-from usmbench.model.effects.play import passed_on
+from usmbench.model.effects.play import last_way, passed_on
 
 _STANDING = 0.01  # share of the highest settled speed of the stretch below which the rotor stands
 _MANY_PHASES = 100
@@ -113,12 +113,12 @@ class DirectedEdges(Effect):
         signal, context, values
             As in `Effect.apply`.
         """
-        outward = _latest(np.sign(np.diff(np.abs(context.phase_deg), prepend=0.0)))
+        outward = last_way(np.diff(np.abs(context.phase_deg), prepend=0.0))
         shift_deg = 0.5 * values["width_deg"] * outward * np.sign(context.phase_deg)
         return (
             signal
             + context.settled_rad_s(context.phase_deg - shift_deg)
-            - (context.settled_rad_s(context.phase_deg))
+            - context.settled_rad_s(context.phase_deg)
         )
 
 
@@ -197,13 +197,6 @@ def _latched(
     last = np.maximum.accumulate(np.where(starts | stops, rows, -1))
     state: NDArray[np.bool_] = np.where(last >= 0, starts[np.maximum(last, 0)], before)
     return state
-
-
-def _latest(step: Array) -> Array:
-    """Last step that was not 0, 0 before the first."""
-    rows = np.arange(step.size)
-    last = np.maximum.accumulate(np.where(step != 0.0, rows, -1))
-    return np.where(last >= 0, step[np.maximum(last, 0)], 0.0)
 
 
 FORMS = (Sticking(), AtRest(), Forwards(), Backwards(), DirectedEdges(), Play())

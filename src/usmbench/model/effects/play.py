@@ -15,7 +15,11 @@ def passed_on(moves: Array, gap: float) -> Array:
     gap
         Width of the gap, above 0, in the moves' unit.
     """
-    way = _latest(np.sign(moves))
+    moving = np.flatnonzero(moves)
+    if moving.size == 0:
+        return np.zeros_like(moves)
+    way = last_way(moves)
+    way[: moving[0]] = way[moving[0]]
     begins = np.flatnonzero(np.diff(way, prepend=np.nan))
     lengths = np.diff(begins, append=way.size)
     whole = np.add.reduceat(np.abs(moves), begins)
@@ -37,11 +41,14 @@ def _ahead(whole: Array, gap: float) -> Array:
     return found
 
 
-def _latest(way: Array) -> Array:
-    """Last way that was not 0; before the first, that one."""
-    moving = np.flatnonzero(way)
-    if moving.size == 0:
-        return way
-    rows = np.arange(way.size)
-    last = np.maximum.accumulate(np.where(way != 0.0, rows, moving[0]))
+def last_way(moves: Array) -> Array:
+    """Return the sign of the last move that was not 0, shape (N,); 0 before the first.
+
+    Parameters
+    ----------
+    moves
+        Moves one after the other, shape (N,).
+    """
+    way, rows = np.sign(moves), np.arange(moves.size)
+    last = np.maximum.accumulate(np.where(way != 0.0, rows, 0))
     return np.asarray(way[last])
