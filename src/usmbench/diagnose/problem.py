@@ -22,7 +22,7 @@ from usmbench.diagnose.knowledge import Knowledge
 from usmbench.diagnose.noise import Noise
 from usmbench.diagnose.stretches import Mask, Stretch
 from usmbench.diagnose.whitening import memory_rows, whitening
-from usmbench.model.extended import Applied
+from usmbench.model.extended import Applied, at_shaft_angle
 
 Array = NDArray[np.float64]
 
@@ -151,6 +151,24 @@ class Problem:
         ]
         shapes, root = self.known.background(shown)
         return self._altered(csr_array(np.concatenate(shapes)), root, self._filter)
+
+    def turned(self, effects: Sequence[Applied]) -> "Problem":
+        """Return the same problem with the angle that the shaft has where effects lose counts.
+
+        Parameters
+        ----------
+        effects
+            The effects.
+        """
+        every = (*self.own, *effects)
+        other = copy(self)
+        other.stretches = tuple(
+            replace(s, context=at_shaft_angle(every, s.simulated_rad_s, s.context))
+            for s in self.stretches
+        )
+        other._runs = FreeRuns(other.stretches)
+        shapes, root = self.known.background(other.stretches)
+        return other._altered(csr_array(np.concatenate(shapes)), root, self._filter)
 
     def change_rad_s(self, effects: Sequence[Applied]) -> list[Array]:
         """Return what effects change in the free run, by stretch.

@@ -157,7 +157,7 @@ def _with_the_rest(problem: Problem, effects: Sequence[Effect], found: Named) ->
     chance = found.fit.effects[-1]
     struck = struck_by(problem, [chance])
     masks = [m & ~s for m, s in zip(problem.masks, struck, strict=True)]
-    clear = problem.weighed(problem.noise, masks)
+    clear = problem.turned([chance]).weighed(problem.noise, masks)
     if clear.n_rows < _LEAST_CLEAR * problem.n_rows:
         return found
     # The scatter hid what is far out.
@@ -176,10 +176,10 @@ def _with_the_rest(problem: Problem, effects: Sequence[Effect], found: Named) ->
 
 
 def _beside(problem: Problem, chance: Applied, rest: Sequence[Applied]) -> Fit:
-    """Fit what acts by chance anew, beside other causes."""
+    """Fit what acts by chance anew, beside other causes, unless it fits better as it is."""
     again = sharpen(problem, fit_effect(problem, chance.effect, rest), rest)
-    together = (again.effects[-1], *rest)
-    return Fit(together, problem.drop(together), 0.0)
+    both = [(one, *rest) for one in (again.effects[-1], chance)]
+    return max((Fit(b, problem.drop(b), 0.0) for b in both), key=lambda fit: fit.statistic)
 
 
 def _together(

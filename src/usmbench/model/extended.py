@@ -1,7 +1,7 @@
 """The simulation with effects in it, stage by stage."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -133,7 +133,30 @@ def counted(effects: Sequence[Applied], shaft_rad_s: Array, context: Context) ->
         The stretch.
     """
     motion_rad_s = through(effects, "motion", shaft_rad_s, context)
-    return through(effects, "counter", motion_rad_s, context)
+    turned = at_shaft_angle(effects, motion_rad_s, context)
+    return through(effects, "counter", motion_rad_s, turned)
+
+
+def at_shaft_angle(effects: Sequence[Applied], motion_rad_s: Array, context: Context) -> Context:
+    """Return a stretch with the angle by the counter made that of the shaft again.
+
+    A counter that loses counts by chance is behind by all that it has lost.
+
+    Parameters
+    ----------
+    effects
+        All effects.
+    motion_rad_s
+        Speed at the counter, shape (N,).
+    context
+        The stretch.
+    """
+    chancy = [a for a in effects if a.effect.by_chance and a.effect.stage == "counter"]
+    if context.angle_rad is None or not chancy:
+        return context
+    lost_rad_s = motion_rad_s - through(chancy, "counter", motion_rad_s, context)
+    lost_rad = (np.cumsum(lost_rad_s) - 0.5 * lost_rad_s) * context.window_s
+    return replace(context, angle_rad=context.angle_rad + lost_rad)
 
 
 def through(effects: Sequence[Applied], stage: Stage, signal: Array, context: Context) -> Array:

@@ -19,6 +19,7 @@ class EncoderEccentricity(Effect):
     meaning = "The encoder's disc is off centre: a ripple once a revolution, relative to the speed."
     mend = "Centre the disc, or calibrate it by an average over whole revolutions."
     stage = "counter"
+    early = True  # a counter counts what passes it
     parameters = (
         Parameter("cosine", "1", 0.0, -0.5, 0.5, 0.005),
         Parameter("sine", "1", 0.0, -0.5, 0.5, 0.005),

@@ -1,0 +1,60 @@
+"""The stages of the simulation with effects in it."""
+
+import numpy as np
+import pytest
+
+from usmbench.model.effects.base import Context
+from usmbench.model.effects.registry import find_effect
+from usmbench.model.extended import Applied, at_shaft_angle, counted
+from usmbench.model.hammerstein import LinearPart
+
+WINDOW_S = 0.01
+MOTION_RAD_S = np.repeat([2.0, 10.0, 2.0, -10.0], 200)
+LOST = Applied(
+    find_effect("missed_counts", "of the excess"), {"lost_of_excess": 0.5, "above_rad_s": 6.0}
+)
+DISC = Applied(find_effect("encoder_eccentricity", ""), {"cosine": 0.02, "sine": 0.01})
+
+
+def _middle_rad(speed_rad_s: np.ndarray) -> np.ndarray:
+    return (np.cumsum(speed_rad_s) - 0.5 * speed_rad_s) * WINDOW_S
+
+
+def _context(counted_rad_s: np.ndarray) -> Context:
+    """Return a stretch whose angle is that of a counter."""
+    n = counted_rad_s.size
+    linear = LinearPart(np.array([-0.05]), np.array([0.95]), 0, WINDOW_S)
+    return Context(
+        WINDOW_S * np.arange(1.0, n + 1.0),
+        WINDOW_S,
+        np.zeros(n),
+        lambda phase_deg: phase_deg,
+        linear,
+        _middle_rad(counted_rad_s),
+    )
+
+
+def test_the_shaft_is_ahead_of_a_counter_by_all_that_this_has_lost() -> None:
+    behind = _context(LOST.effect.apply(MOTION_RAD_S, _context(MOTION_RAD_S), LOST.values))
+    shaft = at_shaft_angle([LOST], MOTION_RAD_S, behind)
+    assert behind.angle_rad is not None
+    assert shaft.angle_rad is not None
+    assert np.max(np.abs(behind.angle_rad - _middle_rad(MOTION_RAD_S))) > 1.0
+    assert shaft.angle_rad == pytest.approx(_middle_rad(MOTION_RAD_S), abs=1e-9)
+
+
+def test_the_angle_stays_as_it_is_where_nothing_is_lost_by_chance() -> None:
+    context = _context(MOTION_RAD_S)
+    assert at_shaft_angle([DISC], MOTION_RAD_S, context) is context
+
+
+@pytest.mark.parametrize("order", [[LOST, DISC], [DISC, LOST]])
+def test_a_disc_in_front_of_a_counter_that_loses_counts_ripples_with_the_shaft(
+    order: list[Applied],
+) -> None:
+    truly = _context(MOTION_RAD_S)
+    passing = DISC.effect.apply(MOTION_RAD_S, truly, DISC.values)
+    reported = LOST.effect.apply(passing, truly, LOST.values)
+    lost_without = LOST.effect.apply(MOTION_RAD_S, truly, LOST.values)
+    found = counted(order, MOTION_RAD_S, _context(lost_without))
+    assert found == pytest.approx(reported, abs=1e-9)
