@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.identify.dynamics import Dynamics
+from usmbench.model.effects.first_order import lag_coefficients
 
 Array = NDArray[np.float64]
 
@@ -23,12 +24,7 @@ class LagFamily:
     The parameters are ln(τ/T) and the dead time over T, for windows of length T. Speeds are
     averages over windows unless sampled; a phase counts from the start of the window in which it
     is commanded.
-    With f the dead time's part of a window beyond D whole ones, u = τ/T and p = exp(−1/u), the
-    averages of the unit step's response are ``s_0 = (1 − f) − u (1 − exp(−(1 − f)/u))`` and
-    ``s_k = 1 − u (1 − p) exp(−(k − f)/u)``, which is the difference equation with a_1 = −p,
-    b_0 = s_0, b_1 = s_1 − (1 + p) s_0, b_2 = s_2 − s_1 − p (s_1 − s_0) and no more terms. At the
-    ends of windows ``s_k = 1 − exp(−(k + 1 − f)/u)``; without a dead time that is the paper's
-    difference equation with n_a = 1, n_b = 0.
+    Their difference equation is that of `lag_coefficients`.
 
     Parameters
     ----------
@@ -54,15 +50,8 @@ class LagFamily:
         return self._at(u, whole, dead - whole)
 
     def _at(self, u: float, whole: int, f: float) -> Dynamics:
-        p = math.exp(-1.0 / u)
-        left = math.exp(-(1.0 - f) / u)
-        if self.sampled:
-            return Dynamics(np.array([-p]), np.array([left - p, 0.0]) / (1.0 - p), whole)
-        s0 = (1.0 - f) + u * math.expm1(-(1.0 - f) / u)
-        s1 = 1.0 - u * (1.0 - p) * left
-        s2 = 1.0 - u * (1.0 - p) * left * p
-        b = np.array([s0, s1 - (1.0 + p) * s0, s2 - s1 - p * (s1 - s0)])
-        return Dynamics(np.array([-p]), b[1:] / b.sum(), whole)
+        pole, b = lag_coefficients(u, f, sampled=self.sampled)
+        return Dynamics(np.array([-pole]), b[1:] / b.sum(), whole)
 
     def parameters(self, dynamics: Dynamics) -> Array:
         """Return the lag with the same pole and dead time.

@@ -35,10 +35,6 @@ class Lag:
     def linear_part(self, window_s: float) -> LinearPart:
         """Return the difference equation.
 
-        A step at the start of a window acts for u in the window in which the delay ends, which
-        then averages u/T − (τ/T)(1 − exp(−u/τ)) and ends at 1 − exp(−u/τ); in each window after,
-        the distance to the end shrinks by p = exp(−T/τ).
-
         Parameters
         ----------
         window_s
@@ -46,16 +42,44 @@ class Lag:
         """
         tau = max(self.tau_s / window_s, _FASTEST)
         whole = int(self.delay_s / window_s)
-        acts = 1.0 - (self.delay_s / window_s - whole)
-        pole, left = math.exp(-1.0 / tau), math.exp(-acts / tau)
-        if self.sampled:
-            b = np.array([1.0 - left, left - pole])
-        else:
-            first = acts - tau * (1.0 - left)
-            second = 1.0 - tau * (1.0 - pole) * left
-            rest = 1.0 - pole - second + pole * first
-            b = np.array([first, second - (1.0 + pole) * first, rest])
+        pole, b = lag_coefficients(tau, self.delay_s / window_s - whole, sampled=self.sampled)
         return LinearPart(np.array([-pole]), b, whole, window_s)
+
+
+def lag_coefficients(
+    tau_windows: float, delay_windows: float, *, sampled: bool
+) -> tuple[float, Array]:
+    """Return the pole and the numerator of a lag behind a delay of a part of a window.
+
+    A step at the start of a window acts for u in the window in which the delay ends, which then
+    averages s_0 = u/T − (τ/T)(1 − exp(−u/τ)) and ends at 1 − exp(−u/τ); in each window after, the
+    distance to the end shrinks by p = exp(−T/τ). That is the difference equation with a_1 = −p and
+    three b; of speeds at the ends of windows two, and without a delay one, the paper's with
+    n_a = 1, n_b = 0.
+
+    Parameters
+    ----------
+    tau_windows
+        Time constant τ over the duration T of a window.
+    delay_windows
+        The delay's part of a window, 0 to 1.
+    sampled
+        Whether speeds are those at the ends of windows.
+
+    Returns
+    -------
+    pole, b
+        p, and b_0 to b_2, shape (3,).
+    """
+    acts = 1.0 - delay_windows
+    pole, left = math.exp(-1.0 / tau_windows), math.exp(-acts / tau_windows)
+    if sampled:
+        return pole, np.array([1.0 - left, left - pole, 0.0])
+    first = acts + tau_windows * math.expm1(-acts / tau_windows)
+    second = 1.0 - tau_windows * (1.0 - pole) * left
+    return pole, np.array(
+        [first, second - (1.0 + pole) * first, 1.0 - pole - second + pole * first]
+    )
 
 
 def lag_of(linear: LinearPart, window_s: float) -> Lag | None:
