@@ -149,8 +149,7 @@ class Problem:
             replace(s, simulated_rad_s=s.simulated_rad_s + c)
             for s, c in zip(self.stretches, changes, strict=True)
         ]
-        shapes, root = self.known.background(shown)
-        return self._altered(csr_array(np.concatenate(shapes)), root, self._filter)
+        return self._leaving(shown)
 
     def turned(self, effects: Sequence[Applied]) -> "Problem":
         """Return the same problem with the angle that the shaft has where effects lose counts.
@@ -167,8 +166,7 @@ class Problem:
             for s in self.stretches
         )
         other._runs = FreeRuns(other.stretches)
-        shapes, root = self.known.background(other.stretches)
-        return other._altered(csr_array(np.concatenate(shapes)), root, self._filter)
+        return other._leaving(other.stretches)
 
     def change_rad_s(self, effects: Sequence[Applied]) -> list[Array]:
         """Return what effects change in the free run, by stretch.
@@ -233,6 +231,11 @@ class Problem:
         """Return the same problem with further shapes of one standard deviation."""
         root = dense_blocks(self._root, deviation * np.eye(shapes.shape[1]))
         return self._altered(csr_array(hstack([self._shapes, csr_array(shapes)])), root, filter_)
+
+    def _leaving(self, stretches: Sequence[Stretch]) -> "Problem":
+        """Return the same problem with what is no news as these runs show it."""
+        shapes, root = self.known.background(stretches)
+        return self._altered(csr_array(np.concatenate(shapes)), root, self._filter)
 
     def _altered(self, shapes: csr_array, root: Array, filter_: csr_array) -> "Problem":
         """Return the same runs with other shapes that are no news, and other weights."""

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.model.effects.base import Context, DynamicsEffect, Effect, Stage, Values
+from usmbench.model.effects.base import Context, DynamicsEffect, Effect, Stage, Values, middle_rad
 from usmbench.model.effects.registry import find_effect
 from usmbench.model.hammerstein import LinearPart
 from usmbench.model.linear import fitted_start_rad_s, free_run
@@ -140,7 +140,7 @@ def counted(effects: Sequence[Applied], shaft_rad_s: Array, context: Context) ->
 def at_shaft_angle(effects: Sequence[Applied], motion_rad_s: Array, context: Context) -> Context:
     """Return a stretch with the angle by the counter made that of the shaft again.
 
-    A counter that loses counts by chance is behind by all that it has lost.
+    A counter that loses counts by chance is behind by all that it has lost since the stretch began.
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ def at_shaft_angle(effects: Sequence[Applied], motion_rad_s: Array, context: Con
     if context.angle_rad is None or not chancy:
         return context
     lost_rad_s = motion_rad_s - through(chancy, "counter", motion_rad_s, context)
-    lost_rad = (np.cumsum(lost_rad_s) - 0.5 * lost_rad_s) * context.window_s
+    lost_rad = middle_rad(lost_rad_s, context.window_s)
     return replace(context, angle_rad=context.angle_rad + lost_rad)
 
 

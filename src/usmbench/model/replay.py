@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from usmbench.errors import InputError
+from usmbench.model.effects.base import middle_rad
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.scores import fit_percent, rmse
 from usmbench.model.simulate import Simulation, simulate
@@ -103,10 +104,9 @@ def middle_angle_rad(record: Record) -> Column:
     record
         The run; without a column `angle_rad` the speeds are added up.
     """
-    turned_rad = record.speed_rad_s * record.window_s
-    end_rad = np.cumsum(turned_rad) if record.angle_rad is None else record.angle_rad
-    middle_rad: Column = end_rad - 0.5 * turned_rad
-    return middle_rad
+    if record.angle_rad is None:
+        return middle_rad(record.speed_rad_s, record.window_s)
+    return record.angle_rad - 0.5 * record.speed_rad_s * record.window_s
 
 
 def _check_windows(record: Record, model: HammersteinModel) -> list[str]:

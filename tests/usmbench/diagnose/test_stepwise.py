@@ -1,11 +1,13 @@
 """Which causes are named, one after the other."""
 
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.fitting import Fit
 from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.naming import Ranked, rank
@@ -17,6 +19,8 @@ from usmbench.model.effects.base import Effect
 from usmbench.model.effects.registry import find_effect
 from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
+from usmbench.model.replay import replay_record
+from usmbench.runs.record import Record
 
 LOST = Applied(find_effect("stick_slip", ""), {"lost_rad_s": 0.2, "fades_rad_s": 2.0})
 
@@ -141,3 +145,36 @@ def test_a_cause_beside_one_that_acts_by_chance_acts_where_that_one_does_too(
 
 def _names(found: Named) -> list[str]:
     return [ranking[0].effect.name for ranking in found.rankings]
+
+
+def _counted(model: HammersteinModel, effects: Sequence[Applied]) -> list[Stretch]:
+    """Return a run whose counter, and with it its angle, has gone through effects in turn."""
+    phase_deg = np.repeat(np.random.default_rng(4).uniform(-88.0, 88.0, 300), 5)
+    n = phase_deg.size
+    bare = Record("run", 0.01 * np.arange(1.0, n + 1.0), phase_deg, np.zeros(n), np.full(n, 0.01))
+    shaft = replay_record(bare, model).simulation.speed_rad_s
+    (plain,), _ = cut_runs([replace(bare, speed_rad_s=shaft)], model, ())
+    speed_rad_s = shaft
+    for applied in effects:
+        speed_rad_s = applied.effect.apply(speed_rad_s, plain.context, applied.values)
+    noisy = speed_rad_s + 0.01 * np.random.default_rng(5).standard_normal(n)
+    return cut_runs([replace(bare, speed_rad_s=noisy)], model, ())[0]
+
+
+def test_a_disc_is_seen_at_the_angle_of_the_shaft_where_counts_are_lost(
+    model: HammersteinModel,
+) -> None:
+    disc = Applied(find_effect("encoder_eccentricity", ""), {"cosine": 0.01, "sine": -0.01})
+    lost = Applied(
+        find_effect("missed_counts", "of the excess"), {"lost_of_excess": 4.0, "above_rad_s": 9.0}
+    )
+    stretches = _counted(model, [disc, lost])
+    uses = [s.use for s in stretches]
+    white = [0.01 * np.random.default_rng(6).standard_normal(s.context.n) for s in stretches]
+    noise = estimate_noise(stretches, white, uses)
+    problem = Problem(stretches, knowledge_of(model), noise, uses)
+    effects = [lost.effect, disc.effect, find_effect("phase_quantisation", "rounded")]
+    found = name_causes(problem, rank(problem, effects, 1.0), effects, 1.0)
+    assert _names(found) == ["missed_counts", "encoder_eccentricity"]
+    sizes = next(a.values for a in found.fit.effects if a.effect is disc.effect)
+    assert sizes == pytest.approx(disc.values, abs=0.002)

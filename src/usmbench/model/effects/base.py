@@ -235,3 +235,18 @@ def longest_s(contexts: Sequence[Context]) -> float:
         Stretches, at least one.
     """
     return max(float(context.t_s[-1]) for context in contexts)
+
+
+def middle_rad(speed_rad_s: Array, window_s: Array | float) -> Array:
+    """Return the angle turned from the start to the middle of each window, shape (N,).
+
+    Parameters
+    ----------
+    speed_rad_s
+        Mean speed of each window, shape (N,).
+    window_s
+        Duration of a window, or of each, shape (N,).
+    """
+    turned_rad = speed_rad_s * window_s
+    middle: Array = np.cumsum(turned_rad) - 0.5 * turned_rad
+    return middle

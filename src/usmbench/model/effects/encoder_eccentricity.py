@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values, middle_rad
 
 _TURNS = 0.1  # an arc in which a ripple bends by a twentieth of itself
 
@@ -35,7 +35,7 @@ class EncoderEccentricity(Effect):
         """
         angle_rad = context.angle_rad
         if angle_rad is None:
-            angle_rad = (np.cumsum(signal) - 0.5 * signal) * context.window_s
+            angle_rad = middle_rad(signal, context.window_s)
         ripple = values["cosine"] * np.cos(angle_rad) + values["sine"] * np.sin(angle_rad)
         return signal * (1.0 + ripple)
 
