@@ -60,7 +60,7 @@ class Campaign:
     wanders: tuple[float, ...] = WANDERS
     choice: Choice = field(default_factory=Choice)
     runs: Path | None = None
-    reference_s: float = max(LENGTHS_S)
+    reference_s: float = REFERENCE_S
 
 
 def work(campaign: Campaign, number: int) -> Iterator[str]:
@@ -116,7 +116,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--through-wire", type=int, default=2, help="draws a motor over pty, gRPC")
     parser.add_argument("--wanders", type=float, nargs="+", default=list(WANDERS))
     parser.add_argument("--strengths", type=float, nargs="+", default=list(STRENGTHS))
-    parser.add_argument("--lengths", type=float, nargs="+", default=list(LENGTHS_S), help="in s")
+    parser.add_argument("--lengths", type=float, nargs="+", help=f"in s; {LENGTHS_S} unless given")
     parser.add_argument(
         "--mechanisms",
         nargs="+",
@@ -150,12 +150,12 @@ def _driven(arguments: argparse.Namespace) -> list[Row]:
     """Run the campaign and keep its record."""
     n_draws, processes = arguments.draws, arguments.processes
     motors = range(arguments.first, arguments.first + arguments.motors)
-    lengths_s = tuple(arguments.lengths)
+    usual_s = SMALL_LENGTHS_S if arguments.small else LENGTHS_S
+    lengths_s = tuple(arguments.lengths or usual_s)
     # How a motor warms is known for as long as it was watched.
     reference_s = max(REFERENCE_S, *lengths_s)
     if arguments.small:
-        motors, n_draws, processes = motors[:1], 3, 1
-        lengths_s, reference_s = SMALL_LENGTHS_S, SMALL_REFERENCE_S
+        motors, n_draws, processes, reference_s = motors[:1], 3, 1, SMALL_REFERENCE_S
     campaign = Campaign(
         arguments.seed,
         n_draws,

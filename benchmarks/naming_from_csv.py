@@ -51,7 +51,7 @@ CAUSES = (
     "count_glitches",
 )
 _TIMES_NOISE = (1.5, 0.5)
-_HEALTHY = 16  # as many draws as a cause has
+_HEALTHY = 16  # times as many draws as a cause has
 
 
 def conditions_of(rng: np.random.Generator) -> Conditions:
