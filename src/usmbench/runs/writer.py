@@ -20,9 +20,9 @@ from usmbench.runs.columns import (
 )
 from usmbench.runs.disk_sync import DiskSync
 from usmbench.runs.files import AppendedFile, disk_error, sync_folder
+from usmbench.runs.meta_writer import begin_meta, close_meta, new_meta, resumed_meta
 from usmbench.runs.raw import RawWriter
 from usmbench.runs.row_text import pair_text, window_text
-from usmbench.runs.run_yaml import begin_meta, close_meta, new_meta, resumed_meta
 from usmbench.runs.stop_point import StopPoint, columns_of, stop_point
 from usmbench.runs.stop_request import forget_stop_request
 from usmbench.sweep.rows import PairRow, WindowRow
