@@ -50,12 +50,13 @@ class Opened:
         self.documents.append((name, document))
 
     def events(self, stream: str = "primary") -> list[dict[str, Any]]:
+        """Return their data; what is taken again after a suspension keeps its number."""
         uids = {d["uid"] for n, d in self.documents if n == "descriptor" and d["name"] == stream}
         found: list[Any] = []
         for name, document in self.documents:
             if name.startswith("event") and document["descriptor"] in uids:
                 found += [document] if name == "event" else unpack_event_page(cast(Any, document))
-        return [event["data"] for event in found]
+        return list({event["seq_num"]: event["data"] for event in found}.values())
 
     def last(self, name: str) -> dict[str, Any]:
         return [document for kind, document in self.documents if kind == name][-1]
