@@ -35,6 +35,7 @@ Bends = tuple[tuple[float, ...], ...]
 _FIRST_DEGREE = 12
 _FEW, _FEW_ROWS = 4, 500  # the first dynamics rest on every fourth row, in blocks
 _MIDDLE_DEGREE = 18
+_ALWAYS = 13  # ordinates: stiffness holds those of a dead zone and two slopes between few phases
 _SAME_BEND = 0.005  # of the range of phases
 
 
@@ -172,7 +173,7 @@ def _degrees(data: Dataset, point: int, options: FastOptions, nb: int) -> tuple[
         degrees = (options.degree,)
     else:
         phases = np.unique(data.phase_deg(point)).size
-        degrees = tuple(d for d in DEGREES if d < phases) or (min(DEGREES),)
+        degrees = tuple(d for d in DEGREES if d < max(phases, _ALWAYS))
     check_rows(data, min(degrees), options.na, nb, point=point)
     return degrees
 

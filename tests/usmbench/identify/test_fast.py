@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.usmbench.identify.conftest import PARAMETERS, WINDOW_S
 from usmbench.errors import InputError
 from usmbench.identify.fast import FastOptions, identify_fast
 from usmbench.identify.knots import dead_zone_deg
@@ -32,6 +33,20 @@ def test_free_run_of_an_unseen_run_is_within_a_tenth_of_the_noise(measure: Measu
     simulation = simulate(model, unseen.phase_deg, measured_rad_s=unseen.speed_rad_s)
     error = (unseen.speed_rad_s - simulation.speed_rad_s)[simulation.inside]
     assert np.sqrt(np.mean(error**2)) < 1.1 * 0.02
+
+
+@pytest.mark.parametrize("levels", [5, 7, 9, 11])
+def test_a_few_levels_are_followed(measure: Measure, curve: StaticCurve, levels: int) -> None:
+    """Fewer phases than a dead zone and two slopes have bends: the curve goes through them all."""
+    rng = np.random.default_rng(levels)
+    phase_deg = np.repeat(rng.permutation(np.resize(np.linspace(-90.0, 90.0, levels), 60)), 5)
+    linear = LagFamily(1.0).dynamics(PARAMETERS).linear_part(WINDOW_S)
+    clean = free_run(linear, curve.speed_rad_s(phase_deg))
+    noisy = clean + 0.02 * rng.standard_normal(clean.size)
+    record = replace(measure(300), phase_deg=phase_deg, speed_rad_s=noisy)
+    model = identify_fast([record], FastOptions()).model
+    simulation = simulate(model, phase_deg, measured_rad_s=noisy)
+    assert np.sqrt(np.mean((noisy - simulation.speed_rad_s) ** 2)) < 1.1 * 0.02
 
 
 def test_one_per_cent_of_wild_samples_changes_little(measure: Measure) -> None:
