@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from scipy.stats import poisson
 
 from usmbench.diagnose.chance import chancy_of, struck_by
@@ -29,11 +29,14 @@ from usmbench.model.extended import Applied
 
 Array = NDArray[np.float64]
 
-_FEWEST = 3  # far out without a neighbour: fewer may be knocks
+# Far out without a neighbour, at places that do not repeat each other: fewer may be knocks, or
+# where a plan has a rotor start, time and again.
+_FEWEST = 3
 _TOLD = 2  # healthy runs have one now and then
 _AS_USUAL = 2.0  # times the rate of the identified runs: their plans differ
 _OF_COUNT = 0.25  # a counter is off by whole ones
-_OF_EFFECT = 3.0 * OFF  # what its form may be off by is no count
+# What an effect's form may be off by is no count, nor what it changes by beside the window.
+_OF_EFFECT, _SOON, _BESIDE = 3.0 * OFF, 3, 5  # share; windows around
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,9 +80,12 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
         np.concatenate(far)[rows],
         problem.stretches[0].context.window_s,
     )
+    places = np.unique(np.concatenate([s.jump for s in problem.stretches])[rows][windows.alone])
     p_value = _p_value(windows, problem.known.spikes_hz)
     phase_deg = np.concatenate([s.context.phase_deg for s in problem.stretches])[rows]
-    if p_value > SIGNIFICANT or _no_chance(windows, off_rad_s, phase_deg):
+    if places.size < _FEWEST or p_value > SIGNIFICANT:
+        return None
+    if _no_chance(windows, off_rad_s, phase_deg):
         return None
     kinds = [effect for effect in library() if isinstance(effect, SporadicEffect)]
     weighed = [(effect, effect.weigh(windows)) for effect in kinds]
@@ -145,10 +151,10 @@ def _calm(problem: Problem, effects: Sequence[Applied]) -> list[Mask]:
 
 
 def _p_value(windows: LoneWindows, spikes_hz: float) -> float:
-    """Probability of as many lone windows where nothing is wrong; 1 for too few to speak of."""
+    """Probability of as many lone windows where nothing is wrong; 1 for no more than is usual."""
     count = int(np.count_nonzero(windows.alone))
     usual = _AS_USUAL * spikes_hz * windows.alone.size * windows.window_s
-    if count < max(_FEWEST, usual):
+    if count < usual:
         return 1.0
     return float(poisson.sf(count - 1, usual)) if usual > 0.0 else 0.0
 
@@ -167,10 +173,16 @@ def _alone(
     far = spiked(problem.stretches, left, problem.noise, near_steps=True, times=PLAIN * spread)
     far = off_steps(problem.stretches, left, far)
     least_rad_s = [_OF_COUNT * (s.context.count_rad_s or 0.0) for s in problem.stretches]
-    # What an effect does may come a window sooner or later.
-    changes = [maximum_filter1d(np.abs(c), 3) for c in problem.change_rad_s(effects)]
+    changes = problem.change_rad_s(effects)
     parts = zip(far, left, least_rad_s, changes, strict=True)
-    return [f & (np.abs(r) > np.maximum(least, _OF_EFFECT * c)) for f, r, least, c in parts]
+    return [f & (np.abs(r) > np.maximum(least, _off_rad_s(c))) for f, r, least, c in parts]
+
+
+def _off_rad_s(change_rad_s: Array) -> Array:
+    """Return how far off what an effect does may be: it may also come a window sooner or later."""
+    size = maximum_filter1d(np.abs(change_rad_s), _SOON)
+    jumps = maximum_filter1d(change_rad_s, _BESIDE) - minimum_filter1d(change_rad_s, _BESIDE)
+    return np.asarray(np.maximum(_OF_EFFECT * size, jumps))
 
 
 def _estimates(effect: SporadicEffect, found: Weighed) -> tuple[Estimate, ...]:

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from scipy.signal import sawtooth
 
 from known_motor import NOISE_RAD_S, applied, driven, identified, measured
@@ -12,6 +13,9 @@ from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.sporadic import find_sporadic, left_unnamed
+from usmbench.model.extended import Applied
+
+Array = NDArray[np.int64]
 
 
 @pytest.mark.parametrize(("scale_error", "found"), [(0.01, True), (0.3, False)])
@@ -30,19 +34,35 @@ def test_what_an_effect_may_be_off_by_is_no_false_count(scale_error: float, foun
     assert (sporadic is not None) == found
 
 
-@pytest.mark.parametrize(("window", "found"), [(10, True), (19, False)])
-def test_what_an_effect_does_may_come_a_window_sooner(window: int, found: bool) -> None:
-    model = identified()
+@pytest.mark.parametrize("times_noise", [15.0, 60.0])
+@pytest.mark.parametrize(("windows", "found"), [((6, 7, 8, 9), True), ((18, 19, 38, 39), False)])
+def test_what_an_effect_does_may_come_a_window_sooner(
+    windows: tuple[int, ...], found: bool, times_noise: float
+) -> None:
     effect = applied("phase_quantisation", "rounded", step_deg=30.0)
-    phase_deg = np.tile(np.repeat([30.0, 44.0], 20), 50)  # on the grid, and beside it
-    record = driven(phase_deg, 4, effect)
-    off = np.zeros(phase_deg.size)
-    off[400 + window :: 400] = 15.0 * NOISE_RAD_S
-    (stretch,), _ = cut_runs([replace(record, speed_rad_s=record.speed_rad_s + off)], model, ())
+    hits = np.arange(400, 2000, 400) + windows
+    problem = two_phases(hits, times_noise, effect)
+    assert (find_sporadic(problem, [effect], 1.0) is not None) == found
+
+
+@pytest.mark.parametrize("always_there", [True, False])
+def test_what_comes_back_with_the_plan_is_no_chance(always_there: bool) -> None:
+    hits = np.arange(410, 2000, 400)
+    problem = two_phases(hits if always_there else hits + hits // 400, 15.0)
+    assert (find_sporadic(problem, (), 1.0) is None) == always_there
+
+
+def two_phases(hits: Array, times_noise: float, *effects: Applied) -> Problem:
+    """Return a run to and fro between two phases, some of its windows off by some noise."""
+    model = identified()
+    phase_deg = np.tile(np.repeat([30.0, 44.0], 20), 50)  # on a grid of 30 degrees, and beside it
+    record = driven(phase_deg, 4, *effects)
+    speed_rad_s = record.speed_rad_s.copy()
+    speed_rad_s[hits] += times_noise * NOISE_RAD_S
+    (stretch,), _ = cut_runs([replace(record, speed_rad_s=speed_rad_s)], model, ())
     known = knowledge_of(model)
     assert known.noise is not None
-    problem = Problem([stretch], known, known.noise, [stretch.use])
-    assert (find_sporadic(problem, [effect], 1.0) is not None) == found
+    return Problem([stretch], known, known.noise, [stretch.use])
 
 
 @pytest.mark.parametrize("by_chance", [True, False])
