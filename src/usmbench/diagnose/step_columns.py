@@ -21,6 +21,9 @@ N_NEAR_STANDSTILL = KINDS * (len(_CREEP) - 2)
 def after_steps(stretch: Stretch, top_rad_s: float) -> Iterator[Array]:
     """Yield the steps by the speeds that they lead from and to, shape (N,) each.
 
+    A step shows at each lag whether or not another came since: else a phase that glides, which
+    shows only how long a response lasts in all, would pass for one that shows its course.
+
     Parameters
     ----------
     stretch
@@ -28,16 +31,16 @@ def after_steps(stretch: Stretch, top_rad_s: float) -> Iterator[Array]:
     top_rad_s
         Highest speed of the model.
     """
+    stepped = np.where(stretch.lag == 0, stretch.step_rad_s, 0.0)
     after = np.clip(stretch.settled_rad_s / top_rad_s, -1.0, 1.0)
-    before = np.clip(after - stretch.step_rad_s / top_rad_s, -1.0, 1.0)
+    before = np.clip(after - stepped / top_rad_s, -1.0, 1.0)
     for lag, n_nodes in enumerate(CELLS):
         even = np.linspace(-1.0, 1.0, n_nodes)
         nodes = np.sign(even) * np.abs(even) ** _DENSER
-        step = stretch.step_rad_s * (stretch.lag == lag)
         ends = list(hats(after, nodes))
         for place in (1.0, *stretch.places):
             for start in hats(before, nodes):
-                yield from (place * step * start * end for end in ends)
+                yield from (_later(place * stepped * start * end, lag) for end in ends)
 
 
 def near_standstill(stretch: Stretch, top_rad_s: float) -> Iterator[Array]:
@@ -56,3 +59,10 @@ def near_standstill(stretch: Stretch, top_rad_s: float) -> Iterator[Array]:
     for place in (1.0, *stretch.places):
         for lost in near:
             yield from (place * np.sign(settled) * lost * (kind == k) for k in range(KINDS))
+
+
+def _later(column: Array, windows: int) -> Array:
+    """Return a column that comes some windows later."""
+    moved: Array = np.zeros_like(column)
+    moved[windows:] = column[: column.size - windows]
+    return moved
