@@ -23,6 +23,7 @@ from usmbench.identify.uncertainty import (
     curve_intervals,
     dynamics_intervals,
 )
+from usmbench.identify.unfollowed import unfollowed
 from usmbench.model.hammerstein import StaticCurve
 from usmbench.runs.record import Record
 
@@ -80,7 +81,7 @@ def identify_fast(records: Sequence[Record], options: FastOptions) -> Identifica
             estimate.linearised, estimate.found.parameters.size, spread.noise_coefficients
         ),
     )
-    warnings = (*found.warnings, *_few_phases(part, knots_deg))
+    warnings = (*found.warnings, *_few_phases(part, knots_deg), *unfollowed(part, search))
     return replace(found, warnings=warnings, fit_s=time.perf_counter() - started_s)
 
 
