@@ -29,7 +29,7 @@ def unfollowed(data: Dataset, search: RobustFit) -> list[str]:
         A warning for each operating point that has such samples.
     """
     warnings, problem = [], search.problem
-    for point, name in enumerate(data.points):
+    for point, operating_point in enumerate(data.points):
         own = [k for k, s in enumerate(problem.stretches) if s.point == point]
         phase_deg = np.concatenate([problem.stretches[k].phase_deg for k in own])
         off_rad_s = np.concatenate([problem.fit.residual_rad_s[k] for k in own])
@@ -47,7 +47,7 @@ def unfollowed(data: Dataset, search: RobustFit) -> list[str]:
             far_rad_s = np.where(left_out, np.abs(off_rad_s), 0.0)
             most = int(np.argmax(far_rad_s))
             warnings.append(
-                f"{data.name}: the curve{describe(name)} passes {n} samples by up to "
+                f"{data.name}: the curve{describe(operating_point)} passes {n} samples by up to "
                 f"{far_rad_s[most]:.2g} rad/s, most at {phase_deg[most]:.1f}°, as if they were "
                 "outliers; drive more phases there, or give it knots (--knots) or another degree "
                 "(--degree)"
