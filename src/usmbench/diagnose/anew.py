@@ -24,7 +24,7 @@ from usmbench.diagnose.anew_fits import (
 )
 from usmbench.diagnose.evidence import Estimate, NamedCause
 from usmbench.diagnose.gain import Gain, gain_of_blocks
-from usmbench.diagnose.naming import CLEAR
+from usmbench.diagnose.naming import SIGNIFICANT
 from usmbench.diagnose.remainder import describe
 from usmbench.diagnose.result import Diagnosis, Trace
 from usmbench.diagnose.stretches import Stretch, first_windows
@@ -174,7 +174,7 @@ def identified_anew(
         if _SIMPLER * judged.mean_square < best.mean_square:
             best = judged
     p_value = _p_value(some, plain, best)
-    if best.fit.applied is None or p_value > CLEAR:
+    if best.fit.applied is None or p_value > SIGNIFICANT:
         return None
     anew = Anew(tuple(some), _extended(model, best.fit), best.fit.applied, best, p_value)
     return anew if anew.gain(0.0).gain > 0.0 else None

@@ -62,7 +62,7 @@ def near_standstill(stretch: Stretch, top_rad_s: float) -> Iterator[Array]:
 
 
 def _later(column: Array, windows: int) -> Array:
-    """Return a column that comes some windows later."""
+    """Return a column, shape (N,), that comes some windows later: all 0 where N is no more."""
     moved: Array = np.zeros_like(column)
-    moved[windows:] = column[: column.size - windows]
+    moved[windows:] = column[: max(column.size - windows, 0)]
     return moved

@@ -7,7 +7,8 @@ from usmbench.identify.data import Dataset, describe
 from usmbench.identify.robust import RobustFit
 
 _FAR_SCALES, _FAR_SHARE = 10.0, 0.03  # of the residual's scale, of the highest speed
-_LIKE, _FEWEST = 9, 5  # samples: those at the nearest phases, and too few to speak of
+_LIKE, _FEWEST = 9, 5  # samples: those at the nearest phases, and enough to speak of
+_AS_FAR = 0.5  # of what a sample is off by: their median is no chance
 
 
 def unfollowed(data: Dataset, search: RobustFit) -> list[str]:
@@ -38,7 +39,7 @@ def unfollowed(data: Dataset, search: RobustFit) -> list[str]:
         scale_rad_s = max(search.settled_rad_s, search.changing_rad_s)
         top_rad_s = float(np.max(np.abs(problem.fit.delta[point])))
         like_rad_s = median_filter(off_rad_s, _LIKE)
-        together = np.sign(off_rad_s) * like_rad_s > 0.5 * np.abs(off_rad_s)
+        together = np.sign(off_rad_s) * like_rad_s > _AS_FAR * np.abs(off_rad_s)
         left_out = together & (
             np.abs(off_rad_s) > max(_FAR_SCALES * scale_rad_s, _FAR_SHARE * top_rad_s)
         )

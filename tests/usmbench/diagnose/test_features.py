@@ -1,5 +1,7 @@
 """The shapes that a model may leave."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.features_of_runs import features_of
 from usmbench.diagnose.noise import LAGS
 from usmbench.diagnose.shapes import hats
+from usmbench.diagnose.step_columns import after_steps
 from usmbench.diagnose.stretches import Stretch
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.linear import free_run
@@ -43,3 +46,16 @@ def test_a_step_has_its_course_though_another_comes_meanwhile(
     for lag in range(LAGS):
         course = columns[:, groups == f"lag {lag}"].sum(axis=1)
         assert course[lag:] == pytest.approx(steps[: n - lag], abs=1e-5)
+
+
+@pytest.mark.parametrize("n", range(1, LAGS + 2))
+def test_a_stretch_may_be_shorter_than_a_course(stretches: list[Stretch], n: int) -> None:
+    """Of a very long run a piece between two breaks is kept however few windows it has."""
+    (whole,) = stretches
+    short = replace(
+        whole,
+        settled_rad_s=whole.settled_rad_s[:n],
+        step_rad_s=whole.step_rad_s[:n],
+        lag=whole.lag[:n],
+    )
+    assert {column.shape for column in after_steps(short, 10.0)} == {(n,)}
