@@ -18,9 +18,9 @@ from usmbench.diagnose.anew_fits import (
     FOLDS,
     Judged,
     block_of,
-    fit_curve,
     fits_beneath,
     judge,
+    plain_fits,
 )
 from usmbench.diagnose.evidence import Estimate, NamedCause
 from usmbench.diagnose.gain import Gain, gain_of_blocks
@@ -167,8 +167,8 @@ def identified_anew(
     beneath = [e for e in effects if e.beneath(contexts, measured, simulated)]
     if not beneath:
         return None
-    plain = judge(some, fit_curve(some, model, model.points[0].curve, None))
-    best = plain
+    plains = [judge(some, fit) for fit in plain_fits(some, model)]
+    plain = best = min(plains, key=lambda judged: judged.mean_square)
     for fit in (fit for effect in beneath for fit in fits_beneath(some, model, effect)):
         judged = judge(some, fit)
         if _SIMPLER * judged.mean_square < best.mean_square:

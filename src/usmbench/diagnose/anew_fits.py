@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.stretches import Mask, Stretch
 from usmbench.diagnose.through_counter import Estimated, fit_through
+from usmbench.identify.selection import DEGREES
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel, StaticCurve
@@ -29,16 +30,36 @@ class Judged:
         To all blocks but every fourth, one for each choice of these.
     unseen_rad_s
         What each leaves of those that it has not seen, by stretch, shape (N,).
+    mean_square
+        Mean square of that on the rows to judge, in (rad/s)².
     """
 
     fit: Estimated
     folds: tuple[Estimated, ...]
     unseen_rad_s: tuple[Array, ...]
+    mean_square: float
 
-    @property
-    def mean_square(self) -> float:
-        """Mean square of what is left of rows that were not seen."""
-        return float(np.mean(np.concatenate(self.unseen_rad_s) ** 2))
+
+def plain_fits(stretches: Sequence[Stretch], model: HammersteinModel) -> Iterator[Estimated]:
+    """Yield fits without a cause, of the model's degree and of lower ones.
+
+    What has no cause in place may choose among curves, too: one of too high a degree would lose
+    to a cause for what it overfits.
+
+    Parameters
+    ----------
+    stretches
+        The runs.
+    model
+        The model.
+    """
+    curve = model.points[0].curve
+    yield fit_curve(stretches, model, curve, None)
+    for degree in (d for d in DEGREES if d < curve.degree):
+        places = np.linspace(0.0, curve.degree, degree + 1)
+        knots_deg = np.interp(places, np.arange(curve.degree + 1.0), curve.knots_deg)
+        lower = StaticCurve(knots_deg, curve.speed_rad_s(knots_deg))
+        yield fit_curve(stretches, model, lower, None)
 
 
 def fits_beneath(
@@ -109,7 +130,8 @@ def judge(stretches: Sequence[Stretch], fit: Estimated) -> Judged:
         folds.append(fit_through(stretches, seen, fit))
         for own, left, rows in zip(unseen, folds[-1].left_rad_s, held, strict=True):
             own[rows] = left[rows]
-    return Judged(fit, tuple(folds), tuple(unseen))
+    left = np.concatenate([own[s.use] for s, own in zip(stretches, unseen, strict=True)])
+    return Judged(fit, tuple(folds), tuple(unseen), float(np.mean(left**2)))
 
 
 def block_of(stretch: Stretch) -> NDArray[np.int64]:

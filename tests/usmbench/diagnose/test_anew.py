@@ -1,5 +1,6 @@
 """A model that was identified on speeds without sign is identified anew with the loss in place."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -34,15 +35,21 @@ def shaft(phase_deg: Array, backwards: float) -> Array:
     return free_run(DYNAMICS, settled_rad_s, 0.0)
 
 
-def blind_run(seed: int, blindness: Applied, backwards: float = 1.0) -> Record:
-    """Return 500 windows as a counter shows them."""
+def counted_run(
+    seed: int,
+    effects: Sequence[Applied],
+    backwards: float = 1.0,
+    n: int = 500,
+    noise_rad_s: float = NOISE_RAD_S,
+) -> Record:
+    """Return windows as a counter shows them."""
     rng = np.random.default_rng(seed)
-    phase_deg = np.repeat(rng.uniform(-60.0, 80.0, 500), rng.integers(4, 20, 500))[:500]
-    t_s = WINDOW_S * np.arange(1.0, 501.0)
+    phase_deg = np.repeat(rng.uniform(-60.0, 80.0, n), rng.integers(4, 20, n))[:n]
+    t_s = WINDOW_S * np.arange(1.0, n + 1.0)
     context = Context(t_s, WINDOW_S, phase_deg, lambda deg: deg, DYNAMICS)
-    shown = counted([blindness], shaft(phase_deg, backwards), context)
-    shown = shown + NOISE_RAD_S * rng.standard_normal(500)
-    return Record("run", t_s, phase_deg, shown, np.full(500, WINDOW_S))
+    shown = counted(effects, shaft(phase_deg, backwards), context)
+    shown = shown + noise_rad_s * rng.standard_normal(n)
+    return Record("run", t_s, phase_deg, shown, np.full(n, WINDOW_S))
 
 
 def diagnosed(record: Record) -> Diagnosis:
@@ -52,14 +59,14 @@ def diagnosed(record: Record) -> Diagnosis:
 
 @pytest.mark.parametrize("blindness", [PLAIN, RECTIFIED])
 def test_the_loss_of_sign_is_named_and_the_motor_found_again(blindness: Applied) -> None:
-    found = diagnosed(blind_run(1, blindness))
+    found = diagnosed(counted_run(1, [blindness]))
     (cause,) = found.causes
     assert cause.name == "unsigned_counts"
     assert cause.form == blindness.effect.form
     assert found.gain > 0.8
     for estimate in cause.parameters:
         assert estimate.low <= blindness.values[estimate.name] <= estimate.high
-    fresh = blind_run(2, blindness).phase_deg.clip(-55.0, 75.0)
+    fresh = counted_run(2, [blindness]).phase_deg.clip(-55.0, 75.0)
     seeing = simulate(replace(found.extended, effects=()), fresh).speed_rad_s
     expected = shaft(fresh, 1.0)
     # Which way is forward cannot be seen.
@@ -67,6 +74,16 @@ def test_the_loss_of_sign_is_named_and_the_motor_found_again(blindness: Applied)
     assert apart < 0.1 * np.std(expected)
 
 
-def test_a_motor_that_stands_still_one_way_is_not_called_blind() -> None:
-    found = diagnosed(blind_run(1, PLAIN, backwards=0.0))
-    assert all(cause.name != "unsigned_counts" for cause in found.causes)
+@pytest.mark.parametrize("seed", range(5))
+def test_short_and_noisy_runs_show_the_loss_too(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    n, noise_rad_s = int(rng.integers(300, 500)), rng.uniform(0.02, 0.1)
+    found = diagnosed(counted_run(seed, [PLAIN], rng.uniform(0.5, 1.0), n, noise_rad_s))
+    assert [cause.name for cause in found.causes] == ["unsigned_counts"]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_motor_that_stands_still_one_way_is_not_called_blind(seed: int) -> None:
+    # Its counter tells which way: a blind one would fold what the belt swings back.
+    found = diagnosed(counted_run(seed, [], backwards=0.0))
+    assert not found.causes
