@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from usmbench.identify.data import Dataset, Segment
 from usmbench.identify.dynamics import NONE, Dynamics
 from usmbench.identify.projected import Fit
+from usmbench.identify.robust import changing_rows, scales
 from usmbench.model.linear import memory_windows
 
 Array = NDArray[np.float64]
@@ -35,6 +36,8 @@ class CurveRows:
         Fold of each sample; -1 where it is never held out, -2 where it is not used at all.
     dynamics
         What stands between curve and speed; the identity for dwell medians.
+    weight
+        Root of the weight of each sample.
     standing_deg
         Lowest and highest phase about 0 at which a dwell stood; None where fewer than two did.
     """
@@ -43,6 +46,7 @@ class CurveRows:
     speed_rad_s: tuple[Array, ...]
     fold: tuple[NDArray[np.int64], ...]
     dynamics: Dynamics
+    weight: tuple[Array, ...]
     standing_deg: tuple[float, float] | None = None
 
     def stand_for(self, rows: int) -> int:
@@ -83,10 +87,11 @@ def curve_rows(data: Dataset, point: int, rough: Fit) -> CurveRows:
     few = np.unique(data.phase_deg(point)).size / 2.0
     if phases.size >= _FEWEST_DWELLS and np.unique(phases).size >= min(_FEWEST_PHASES, few):
         fold, standing = _phase_folds(phases), _standing_deg(phases, speeds, error_rad_s)
-        return CurveRows((phases,), (speeds,), (fold,), NONE, standing)
+        return CurveRows((phases,), (speeds,), (fold,), NONE, (np.ones(fold.size),), standing)
     chosen = [k for k, s in enumerate(data.segments) if s.point == point]
     pieces = [data.segments[k] for k in chosen]
-    wild = _wild([rough.residual_rad_s[k] for k in chosen], pieces)
+    residuals = [rough.residual_rad_s[k] for k in chosen]
+    wild, weights = _wild(residuals, pieces), _weights(residuals, pieces, dynamics)
     total = sum(s.n for s in pieces)
     keep = min(1.0, _MOST_ROWS / total)
     cut = [max(forget + 1, int(s.n * keep)) for s in pieces]
@@ -102,6 +107,7 @@ def curve_rows(data: Dataset, point: int, rough: Fit) -> CurveRows:
         tuple(s.speed_rad_s[: f.size] for s, f in zip(pieces, folds, strict=True)),
         tuple(folds),
         dynamics,
+        tuple(weight[: f.size] for weight, f in zip(weights, folds, strict=True)),
     )
 
 
@@ -111,6 +117,16 @@ def _wild(residuals: Sequence[Array], pieces: Sequence[Segment]) -> list[NDArray
     top = max(float(np.quantile(np.abs(s.speed_rad_s), 0.95)) for s in pieces)
     limit = max(_WILD_SCALES * scale, _WILD_SHARE * top)
     return [np.abs(residual) > limit for residual in residuals]
+
+
+def _weights(
+    residuals: Sequence[Array], pieces: Sequence[Segment], dynamics: Dynamics
+) -> list[Array]:
+    """Weigh samples just after a change of phase by how much worse any lag meets them."""
+    changing = [changing_rows(s.phase_deg, dynamics) for s in pieces]
+    settled_rad_s, moving_rad_s = scales(np.concatenate(residuals), np.concatenate(changing))
+    less = min(1.0, settled_rad_s / max(moving_rad_s, 1e-300))
+    return [np.where(moved, less, 1.0) for moved in changing]
 
 
 def _dwell_medians(data: Dataset, point: int, forget: int) -> tuple[Array, Array, float]:

@@ -74,13 +74,15 @@ def dead_zone_deg(curve: StaticCurve) -> tuple[float | None, float | None]:
     return low, high
 
 
-def knees_deg(curve: StaticCurve, edges_deg: tuple[float, ...]) -> tuple[float, ...]:
+def knees_deg(
+    grid_deg: Array, speed_rad_s: Array, edges_deg: tuple[float, ...]
+) -> tuple[float, ...]:
     """Return where a curve that saturates all at once would: where its steepest tangents end.
 
     Parameters
     ----------
-    curve
-        The settled speed.
+    grid_deg, speed_rad_s
+        The curve: rising phases and settled speeds, shape (N,) each.
     edges_deg
         Edges of its dead zone, of which each has a side that lies beyond.
 
@@ -90,8 +92,7 @@ def knees_deg(curve: StaticCurve, edges_deg: tuple[float, ...]) -> tuple[float, 
         A phase for each edge beyond which the steepest tangent meets the highest speed of that
         side before the curve ends.
     """
-    grid_deg = np.linspace(curve.knots_deg[0], curve.knots_deg[-1], _GRID)
-    size = np.abs(curve.speed_rad_s(grid_deg))
+    size = np.abs(speed_rad_s)
     margin_deg = _AT_END * float(grid_deg[-1] - grid_deg[0])
     knees = []
     for edge_deg in edges_deg:

@@ -5,7 +5,7 @@ to a triangular factor once; fitting on all folds but one and testing on that on
 to nothing, and no normal equations are formed.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -22,10 +22,12 @@ from usmbench.model.inverse_map import bezier_abscissa
 
 Array = NDArray[np.float64]
 
-DEGREES = (1, 2, 4, 8, 12, 18, 24, 30)
+DEGREES = (1, 2, 4, 8, 12, 18, 24, 30, 48, 64)
 STIFFNESSES = (1e-5, 1e-4, 1e-3, 1e-2)
-_SHARES = (0.4, 0.7)
-_WIDTHS = (0.01, 0.025, 0.06)  # of the range of phases
+_SHARES = (0.4, 0.7, 0.9)
+_WIDTHS = (0.005, 0.01, 0.025, 0.06)  # of the range of phases
+_MIDDLE_DEGREE, _BEST = 24, 3  # how knots are gathered is compared at one degree first
+_HIGH_DEGREE = 30  # from here on only as long as a higher one is better
 _STANDING_ROWS, _STANDING_WEIGHT = 25, 0.1
 _SIMPLER = 1.02  # a candidate must beat a simpler one by this factor
 
@@ -47,6 +49,24 @@ class Choice:
     knots_deg: Array
     stiffness: float
     held_out_rad_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Gathering:
+    """How knots gather: around which phases, how many of them, how closely (of the range)."""
+
+    at_deg: tuple[float, ...] = ()
+    share: float = 0.0
+    width: float = 1.0
+
+    def knots_deg(self, span_deg: tuple[float, float], degree: int) -> Array:
+        """Return the knots of a degree."""
+        low_deg, high_deg = span_deg
+        width_deg = self.width * (high_deg - low_deg)
+        return place_knots(low_deg, high_deg, degree, self.at_deg, self.share, width_deg)
+
+
+_EVEN = _Gathering()
 
 
 def prior_rows(
@@ -100,11 +120,19 @@ def choose_curve(
     span_deg
         Ends of the curve.
     """
+    middle = min(degrees, key=lambda degree: abs(degree - _MIDDLE_DEGREE))
+    ways = [_Gathering(*way) for way in product(bends_deg, _SHARES, _WIDTHS)]
+    judged = [judge_knots(rows, way.knots_deg(span_deg, middle)).held_out_rad_s for way in ways]
+    kept = [_EVEN, *(ways[k] for k in np.argsort(judged, kind="stable")[:_BEST])]
     best: Choice | None = None
-    for knots_deg in _candidates(degrees, bends_deg, span_deg):
-        for choice in _judged(rows, knots_deg, STIFFNESSES):
-            if best is None or _SIMPLER * choice.held_out_rad_s < best.held_out_rad_s:
-                best = choice
+    for degree in degrees:
+        before = best
+        for way in kept:
+            for choice in _judged(rows, way.knots_deg(span_deg, degree), STIFFNESSES):
+                if best is None or _SIMPLER * choice.held_out_rad_s < best.held_out_rad_s:
+                    best = choice
+        if degree >= _HIGH_DEGREE and best is before:
+            break
     if best is None:
         raise ValueError("no degree to choose from")
     return best
@@ -138,21 +166,6 @@ def fitted_curve(rows: CurveRows, choice: Choice) -> StaticCurve:
     pull = prior_rows(choice.knots_deg, choice.stiffness, rows.standing_deg, n)
     (delta,) = _solved([triangle(fixed, *factors)], [pull])
     return StaticCurve(choice.knots_deg, delta[0])
-
-
-def _candidates(
-    degrees: Sequence[int],
-    bends_deg: Sequence[tuple[float, ...]],
-    span_deg: tuple[float, float],
-) -> Iterator[Array]:
-    """Yield sets of knots, simple ones first."""
-    low_deg, high_deg = span_deg
-    for degree in degrees:
-        yield place_knots(low_deg, high_deg, degree)
-        for at_deg, share, width in product(bends_deg, _SHARES, _WIDTHS):
-            yield place_knots(
-                low_deg, high_deg, degree, at_deg, share, width * (high_deg - low_deg)
-            )
 
 
 def _judged(rows: CurveRows, knots_deg: Array, stiffnesses: Sequence[float]) -> list[Choice]:
@@ -194,8 +207,8 @@ def _fold_factors(rows: CurveRows, knots_deg: Array) -> tuple[list[Array], Array
     fold = np.concatenate(rows.fold)
     basis = stacked_basis(rows.phase_deg, knots_deg)
     stacked = [
-        np.column_stack([rows.dynamics.respond(own), speed_rad_s])
-        for own, speed_rad_s in zip(basis, rows.speed_rad_s, strict=True)
+        np.column_stack([rows.dynamics.respond(own), speed_rad_s]) * weight[:, None]
+        for own, speed_rad_s, weight in zip(basis, rows.speed_rad_s, rows.weight, strict=True)
     ]
     matrix = np.vstack(stacked)
     parts = [triangle(matrix[fold == k]) for k in range(FOLDS)]

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from usmbench.identify.bends import bends_of_curve, bends_of_rows, joined
 from usmbench.identify.curve_rows import CurveRows, curve_rows
 from usmbench.identify.data import Dataset
 from usmbench.identify.design import build_design, check_rows
-from usmbench.identify.knots import dead_zone_deg, knees_deg, place_knots
+from usmbench.identify.knots import place_knots
 from usmbench.identify.projected import Projected
 from usmbench.identify.robust import bisquare_weights, counted_alike, residual_scales, robust_fit
 from usmbench.identify.selection import (
@@ -27,16 +28,13 @@ from usmbench.identify.starting_dynamics import (
     soft_priors,
 )
 from usmbench.identify.thinning import thinned
-from usmbench.model.hammerstein import StaticCurve
 
 Array = NDArray[np.float64]
-Bends = tuple[tuple[float, ...], ...]
 
 _FIRST_DEGREE = 12
 _FEW, _FEW_ROWS = 4, 500  # the first dynamics rest on every fourth row, in blocks
 _MIDDLE_DEGREE = 18
 _ALWAYS = 13  # ordinates: stiffness holds those of a dead zone and two slopes between few phases
-_SAME_BEND = 0.005  # of the range of phases
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,8 +157,7 @@ def settle_shape(data: Dataset, part: Dataset, options: FastOptions) -> Shape:
         rough = robust_fit(rough).problem
     rows = [curve_rows(part, k, rough.fit) for k in points]
     choices = [
-        _choice(rows[k], options, degrees[k], StaticCurve(knots_deg[k], rough.fit.delta[k]))
-        for k in points
+        _choice(rows[k], options, degrees[k], (knots_deg[k][0], knots_deg[k][-1])) for k in points
     ]
     return Shape(rough, given is not None, choices, rows)
 
@@ -179,30 +176,18 @@ def _degrees(data: Dataset, point: int, options: FastOptions, nb: int) -> tuple[
 
 
 def _choice(
-    rows: CurveRows, options: FastOptions, degrees: Sequence[int], curve: StaticCurve
+    rows: CurveRows,
+    options: FastOptions,
+    degrees: Sequence[int],
+    span_deg: tuple[float, float],
 ) -> Choice:
-    """Choose a point's curve, twice: the first choice says better where it bends."""
+    """Choose a point's curve, twice: the first choice may say better where it bends."""
     if options.knots_deg is not None:
         return judge_knots(rows, np.array(options.knots_deg, dtype=np.float64))
-    span_deg = (float(curve.knots_deg[0]), float(curve.knots_deg[-1]))
     middling = min(degrees, key=lambda degree: abs(degree - _MIDDLE_DEGREE))
-    first = choose_curve(rows, (middling,), _bends(curve), span_deg)
-    bends_deg = _bends(fitted_curve(rows, first))
-    if len(degrees) == 1 and _same_bends(bends_deg, _bends(curve), span_deg):
+    bends_deg = bends_of_rows(rows, span_deg)
+    first = choose_curve(rows, (middling,), bends_deg, span_deg)
+    better_deg = joined(bends_deg, bends_of_curve(fitted_curve(rows, first)), span_deg)
+    if len(degrees) == 1 and better_deg == bends_deg:
         return first
-    return choose_curve(rows, degrees, bends_deg, span_deg)
-
-
-def _same_bends(one_deg: Bends, other_deg: Bends, span_deg: tuple[float, float]) -> bool:
-    """Whether knots would be gathered at the same places."""
-    one, other = (sum(bends, ()) for bends in (one_deg, other_deg))
-    return len(one) == len(other) and np.allclose(
-        one, other, rtol=0.0, atol=_SAME_BEND * (span_deg[1] - span_deg[0])
-    )
-
-
-def _bends(curve: StaticCurve) -> Bends:
-    """Edges of a curve's dead zone, as far as it has any, and these with where it saturates."""
-    edges_deg = tuple(edge for edge in dead_zone_deg(curve) if edge is not None)
-    knees = knees_deg(curve, edges_deg)
-    return tuple(bends for bends in (edges_deg, edges_deg + knees if knees else ()) if bends)
+    return choose_curve(rows, degrees, better_deg, span_deg)

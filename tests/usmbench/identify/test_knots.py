@@ -9,6 +9,8 @@ from usmbench.model.bernstein import bernstein_basis
 from usmbench.model.hammerstein import StaticCurve
 from usmbench.model.inverse_map import bezier_abscissa
 
+GRID_DEG = np.linspace(-90.0, 90.0, 2001)
+
 
 def _fitted(speed_rad_s: np.ndarray, phase_deg: np.ndarray) -> StaticCurve:
     knots_deg = np.linspace(phase_deg[0], phase_deg[-1], 25)
@@ -25,15 +27,16 @@ def test_a_speed_that_stops_rising_has_a_knee_there(top_deg: float) -> None:
     speed = np.sign(phase_deg) * np.clip((np.abs(phase_deg) - 15.0) / (top_deg - 15.0), 0.0, 1.0)
     curve = _fitted(10.0 * speed, phase_deg)
     edges_deg = tuple(e for e in dead_zone_deg(curve) if e is not None)
-    assert sorted(knees_deg(curve, edges_deg)) == pytest.approx([-top_deg, top_deg], abs=4.0)
+    assert sorted(knees_deg(GRID_DEG, curve.speed_rad_s(GRID_DEG), edges_deg)) == pytest.approx(
+        [-top_deg, top_deg], abs=4.0
+    )
 
 
 def test_a_speed_that_rises_to_the_end_has_none() -> None:
     phase_deg = np.linspace(-90.0, 90.0, 400)
     curve = _fitted(0.1 * phase_deg, phase_deg)
-    assert knees_deg(curve, (-5.0, 5.0)) == ()
+    assert knees_deg(GRID_DEG, curve.speed_rad_s(GRID_DEG), (-5.0, 5.0)) == ()
 
 
 def test_a_motor_that_never_turns_has_none() -> None:
-    curve = StaticCurve(np.linspace(-90.0, 90.0, 5), np.zeros(5))
-    assert knees_deg(curve, (0.0,)) == ()
+    assert knees_deg(GRID_DEG, np.zeros(GRID_DEG.size), (0.0,)) == ()

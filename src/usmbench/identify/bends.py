@@ -1,0 +1,111 @@
+"""Where a curve bends: told by a polygon, which may turn at once anywhere.
+
+A smooth curve of even knots rings where the motor's turns sharply, and has its dead zone somewhere
+else or nowhere.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.identify.curve_rows import CurveRows
+from usmbench.identify.knots import knees_deg, standing_edges_deg
+from usmbench.model.hammerstein import StaticCurve
+
+Array = NDArray[np.float64]
+Bends = tuple[tuple[float, ...], ...]
+"""Sets of phases at which a curve may bend sharply."""
+
+_GRID = 2001
+_NODES = 61
+_FEWEST_PHASES = 3
+_STIFFNESS = 0.03  # of the polygon: nodes follow their rows, those that have none their neighbours
+_SAME = 0.005  # of the range of phases
+
+
+def bends_of_rows(rows: CurveRows, span_deg: tuple[float, float]) -> Bends:
+    """Return where a polygon fitted to samples bends.
+
+    Parameters
+    ----------
+    rows
+        The samples.
+    span_deg
+        Ends of the curve.
+    """
+    phases_deg = np.unique(np.concatenate(rows.phase_deg))
+    if phases_deg.size < _FEWEST_PHASES:
+        return ()
+    nodes_deg = phases_deg if phases_deg.size <= _NODES else np.linspace(*span_deg, _NODES)
+    grid_deg = np.linspace(*span_deg, _GRID)
+    return _bends(grid_deg, np.interp(grid_deg, nodes_deg, _polygon_rad_s(rows, nodes_deg)))
+
+
+def bends_of_curve(curve: StaticCurve) -> Bends:
+    """Return where a curve bends.
+
+    Parameters
+    ----------
+    curve
+        The curve.
+    """
+    grid_deg = np.linspace(curve.knots_deg[0], curve.knots_deg[-1], _GRID)
+    return _bends(grid_deg, curve.speed_rad_s(grid_deg))
+
+
+def joined(some: Bends, others: Bends, span_deg: tuple[float, float]) -> Bends:
+    """Return both, without those of the others that are at the same places.
+
+    Parameters
+    ----------
+    some, others
+        The bends.
+    span_deg
+        Ends of the curve.
+    """
+    new = [bends for bends in others if not any(_same(bends, own, span_deg) for own in some)]
+    return (*some, *new)
+
+
+def _bends(grid_deg: Array, speed_rad_s: Array) -> Bends:
+    """Edges of the dead zone, as far as there is any, and these with where the speed saturates."""
+    edges = standing_edges_deg(grid_deg, speed_rad_s[None])[0]
+    edges_deg = tuple(edges[~np.isnan(edges)].tolist())
+    knees = knees_deg(grid_deg, speed_rad_s, edges_deg)
+    return tuple(bends for bends in (edges_deg, edges_deg + knees if knees else ()) if bends)
+
+
+def _same(
+    one_deg: Sequence[float], other_deg: Sequence[float], span_deg: tuple[float, float]
+) -> bool:
+    """Whether knots would be gathered at the same places."""
+    close_deg = _SAME * (span_deg[1] - span_deg[0])
+    return len(one_deg) == len(other_deg) and np.allclose(
+        one_deg, other_deg, rtol=0.0, atol=close_deg
+    )
+
+
+def _polygon_rad_s(rows: CurveRows, nodes_deg: Array) -> Array:
+    """Speeds at the nodes, by least squares on the samples that are used."""
+    used = np.concatenate(rows.fold) >= -1
+    responses = [rows.dynamics.respond(_hats(p, nodes_deg)) for p in rows.phase_deg]
+    weight = np.concatenate(rows.weight)[used]
+    shapes = np.vstack(responses)[used] * weight[:, None]
+    wanted = np.concatenate(rows.speed_rad_s)[used] * weight
+    width_deg = np.diff(nodes_deg)
+    turns = np.diff(np.diff(np.eye(nodes_deg.size), axis=0) / width_deg[:, None], axis=0)
+    share = np.sqrt(wanted.size / nodes_deg.size)
+    pull = _STIFFNESS * share * float(np.mean(width_deg)) * turns
+    both, outcome = np.vstack([shapes, pull]), np.r_[wanted, np.zeros(len(pull))]
+    speeds: Array = np.linalg.lstsq(both, outcome, rcond=None)[0]
+    return speeds
+
+
+def _hats(phase_deg: Array, nodes_deg: Array) -> Array:
+    """Hat functions of the nodes, shape (N, K)."""
+    left = np.clip(np.searchsorted(nodes_deg, phase_deg, side="right") - 1, 0, nodes_deg.size - 2)
+    share = (phase_deg - nodes_deg[left]) / np.diff(nodes_deg)[left]
+    hats, row = np.zeros((phase_deg.size, nodes_deg.size)), np.arange(phase_deg.size)
+    hats[row, left], hats[row, left + 1] = 1.0 - share, share
+    return hats
