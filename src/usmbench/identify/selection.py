@@ -27,7 +27,7 @@ STIFFNESSES = (1e-5, 1e-4, 1e-3, 1e-2)
 _SHARES = (0.4, 0.7, 0.9)
 _WIDTHS = (0.005, 0.01, 0.025, 0.06)  # of the range of phases
 _MIDDLE_DEGREE, _BEST = 24, 3  # how knots are gathered is compared at one degree first
-_HIGH_DEGREE = 30  # from here on only as long as a higher one is better
+_HIGH_DEGREE = 30  # beyond it only as long as a higher one is better
 _STANDING_ROWS, _STANDING_WEIGHT = 25, 0.1
 _SIMPLER = 1.02  # a candidate must beat a simpler one by this factor
 
@@ -131,7 +131,7 @@ def choose_curve(
             for choice in _judged(rows, way.knots_deg(span_deg, degree), STIFFNESSES):
                 if best is None or _SIMPLER * choice.held_out_rad_s < best.held_out_rad_s:
                     best = choice
-        if degree >= _HIGH_DEGREE and best is before:
+        if degree > _HIGH_DEGREE and best is before:
             break
     if best is None:
         raise ValueError("no degree to choose from")
