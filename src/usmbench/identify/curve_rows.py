@@ -125,7 +125,8 @@ def _weights(
     """Weigh samples just after a change of phase by how much worse any lag meets them."""
     changing = [changing_rows(s.phase_deg, dynamics) for s in pieces]
     settled_rad_s, moving_rad_s = scales(np.concatenate(residuals), np.concatenate(changing))
-    less = min(1.0, settled_rad_s / max(moving_rad_s, 1e-300))
+    # A model that passes through most rows exactly has no scale to weigh by.
+    less = settled_rad_s / moving_rad_s if 0.0 < settled_rad_s < moving_rad_s else 1.0
     return [np.where(moved, less, 1.0) for moved in changing]
 
 
