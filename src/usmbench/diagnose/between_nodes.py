@@ -4,8 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.features import Features
-from usmbench.diagnose.shapes import felt, hats
+from usmbench.diagnose.shapes import felt
 from usmbench.diagnose.stretches import Stretch
+from usmbench.model.polygon import hats, turns
 
 Array = NDArray[np.float64]
 
@@ -32,14 +33,13 @@ def deviations_rad_s(features: Features, mean: Array, root: Array) -> Array:
     """
     width_deg = np.diff(features.nodes_deg)
     n = width_deg.size + 1
-    slope = np.diff(np.eye(n), axis=0) / width_deg[:, None]
-    turn = np.diff(slope, axis=0)
+    turn = turns(np.array(features.nodes_deg))
     off = []
     for k in range(features.n_points):
         own = slice(k * n, (k + 1) * n)
         by_chance = np.linalg.norm(turn @ root[own], axis=1)
-        turns = np.maximum(np.abs(turn @ mean[own]) - _BY_CHANCE * by_chance, 0.0)
-        bends = _KINK * turns * np.minimum(width_deg[:-1], width_deg[1:])
+        turned = np.maximum(np.abs(turn @ mean[own]) - _BY_CHANCE * by_chance, 0.0)
+        bends = _KINK * turned * np.minimum(width_deg[:-1], width_deg[1:])
         off.append(np.maximum(np.r_[bends, 0.0], np.r_[0.0, bends]))
     return np.where(np.array(off) > _TRIFLE * features.top_rad_s, off, 0.0)
 

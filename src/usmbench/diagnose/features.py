@@ -32,7 +32,6 @@ from usmbench.diagnose.shapes import (
     PHASE_NODES,
     detuned_rad_s,
     felt,
-    hats,
     highest_rad_s,
     widening,
 )
@@ -43,6 +42,7 @@ from usmbench.diagnose.step_columns import (
     near_standstill,
 )
 from usmbench.diagnose.stretches import Stretch
+from usmbench.model.polygon import hats
 
 Array = NDArray[np.float64]
 

@@ -1,6 +1,6 @@
 """What the shapes of a known residual are made of: hats over nodes, and what a change would do."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -67,22 +67,6 @@ def unmeasured_rad_s(
         turn = max((float(np.ptp(slope[near])) for slope in slopes if near.any()), default=0.0)
         off.append(float(f"{0.25 * turn * (high - low):.4g}"))
     return tuple(off)
-
-
-def hats(values: Array, nodes: Array) -> Iterator[Array]:
-    """Yield the hat function of each node, held beyond the last ones.
-
-    Parameters
-    ----------
-    values
-        Where, shape (N,).
-    nodes
-        Rising.
-    """
-    left = np.clip(np.searchsorted(nodes, values, side="right") - 1, 0, nodes.size - 2)
-    share = np.clip((values - nodes[left]) / (nodes[left + 1] - nodes[left]), 0.0, 1.0)
-    for k in range(nodes.size):
-        yield np.where(left == k, 1.0 - share, 0.0) + np.where(left == k - 1, share, 0.0)
 
 
 def felt(linear: LinearPart, off_rad_s: Array) -> Array:

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.noise import KINDS, step_kind
-from usmbench.diagnose.shapes import hats
 from usmbench.diagnose.stretches import Stretch
+from usmbench.model.polygon import hats
 
 Array = NDArray[np.float64]
 

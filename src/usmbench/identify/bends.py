@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.identify.curve_rows import CurveRows
-from usmbench.identify.knots import knees_deg, standing_edges_deg
+from usmbench.identify.knots import fine_grid_deg, knees_deg, standing_edges_deg
 from usmbench.model.hammerstein import StaticCurve
+from usmbench.model.polygon import hats, turns
 
 Array = NDArray[np.float64]
 Bends = tuple[tuple[float, ...], ...]
 """Sets of phases at which a curve may bend sharply."""
 
-_GRID = 2001
 _NODES = 61
 _FEWEST_PHASES = 3
 _STIFFNESS = 0.03  # of the polygon: nodes follow their rows, those that have none their neighbours
@@ -38,7 +38,7 @@ def bends_of_rows(rows: CurveRows, span_deg: tuple[float, float]) -> Bends:
     if phases_deg.size < _FEWEST_PHASES:
         return ()
     nodes_deg = phases_deg if phases_deg.size <= _NODES else np.linspace(*span_deg, _NODES)
-    grid_deg = np.linspace(*span_deg, _GRID)
+    grid_deg = fine_grid_deg(*span_deg)
     return _bends(grid_deg, np.interp(grid_deg, nodes_deg, _polygon_rad_s(rows, nodes_deg)))
 
 
@@ -50,7 +50,7 @@ def bends_of_curve(curve: StaticCurve) -> Bends:
     curve
         The curve.
     """
-    grid_deg = np.linspace(curve.knots_deg[0], curve.knots_deg[-1], _GRID)
+    grid_deg = fine_grid_deg(*curve.knots_deg[[0, -1]])
     return _bends(grid_deg, curve.speed_rad_s(grid_deg))
 
 
@@ -89,23 +89,13 @@ def _same(
 def _polygon_rad_s(rows: CurveRows, nodes_deg: Array) -> Array:
     """Speeds at the nodes, by least squares on the samples that are used."""
     used = np.concatenate(rows.fold) >= -1
-    responses = [rows.dynamics.respond(_hats(p, nodes_deg)) for p in rows.phase_deg]
+    near = [np.column_stack(list(hats(p, nodes_deg))) for p in rows.phase_deg]
+    responses = [rows.dynamics.respond(own) for own in near]
     weight = np.concatenate(rows.weight)[used]
     shapes = np.vstack(responses)[used] * weight[:, None]
     wanted = np.concatenate(rows.speed_rad_s)[used] * weight
-    width_deg = np.diff(nodes_deg)
-    turns = np.diff(np.diff(np.eye(nodes_deg.size), axis=0) / width_deg[:, None], axis=0)
-    share = np.sqrt(wanted.size / nodes_deg.size)
-    pull = _STIFFNESS * share * float(np.mean(width_deg)) * turns
+    share, width_deg = np.sqrt(wanted.size / nodes_deg.size), float(np.mean(np.diff(nodes_deg)))
+    pull = _STIFFNESS * share * width_deg * turns(nodes_deg)
     both, outcome = np.vstack([shapes, pull]), np.r_[wanted, np.zeros(len(pull))]
     speeds: Array = np.linalg.lstsq(both, outcome, rcond=None)[0]
     return speeds
-
-
-def _hats(phase_deg: Array, nodes_deg: Array) -> Array:
-    """Hat functions of the nodes, shape (N, K)."""
-    left = np.clip(np.searchsorted(nodes_deg, phase_deg, side="right") - 1, 0, nodes_deg.size - 2)
-    share = (phase_deg - nodes_deg[left]) / np.diff(nodes_deg)[left]
-    hats, row = np.zeros((phase_deg.size, nodes_deg.size)), np.arange(phase_deg.size)
-    hats[row, left], hats[row, left + 1] = 1.0 - share, share
-    return hats

@@ -37,7 +37,7 @@ class CurveRows:
     dynamics
         What stands between curve and speed; the identity for dwell medians.
     weight
-        Root of the weight of each sample.
+        Root of the weight of each sample, shaped as the speeds.
     standing_deg
         Lowest and highest phase about 0 at which a dwell stood; None where fewer than two did.
     """
@@ -122,7 +122,7 @@ def _wild(residuals: Sequence[Array], pieces: Sequence[Segment]) -> list[NDArray
 def _weights(
     residuals: Sequence[Array], pieces: Sequence[Segment], dynamics: Dynamics
 ) -> list[Array]:
-    """Weigh samples just after a change of phase by how much worse any lag meets them."""
+    """Weigh samples just after a change of phase by how much worse the lag meets them."""
     changing = [changing_rows(s.phase_deg, dynamics) for s in pieces]
     settled_rad_s, moving_rad_s = scales(np.concatenate(residuals), np.concatenate(changing))
     # A model that passes through most rows exactly has no scale to weigh by.

@@ -12,6 +12,17 @@ _AT_END = 0.02  # of the range: what bends there is its end
 _SLOW, _FAST = 0.03, 0.12  # of the highest speed: where the tangents are taken
 
 
+def fine_grid_deg(low_deg: float, high_deg: float) -> Array:
+    """Return even phases, close enough to see where a curve bends, shape (2001,).
+
+    Parameters
+    ----------
+    low_deg, high_deg
+        The ends.
+    """
+    return np.linspace(low_deg, high_deg, _GRID)
+
+
 def place_knots(
     low_deg: float,
     high_deg: float,
@@ -40,8 +51,8 @@ def place_knots(
     Array
         Strictly rising knots from `low_deg` to `high_deg`, shape (d + 1,).
     """
-    grid_deg = np.linspace(low_deg, high_deg, _GRID)
-    density = np.full(_GRID, (1.0 - share) / (high_deg - low_deg))
+    grid_deg = fine_grid_deg(low_deg, high_deg)
+    density = np.full(grid_deg.size, (1.0 - share) / (high_deg - low_deg))
     for edge_deg in edges_deg:
         hump = np.exp(-0.5 * ((grid_deg - edge_deg) / width_deg) ** 2)
         density += share / len(edges_deg) * hump / np.trapezoid(hump, grid_deg)
@@ -68,7 +79,7 @@ def dead_zone_deg(curve: StaticCurve) -> tuple[float | None, float | None]:
         Edges below and above the standing phase nearest to 0; None where the curve never stands,
         or ends before it has left standstill on that side.
     """
-    grid_deg = np.linspace(curve.knots_deg[0], curve.knots_deg[-1], _GRID)
+    grid_deg = fine_grid_deg(*curve.knots_deg[[0, -1]])
     edges = standing_edges_deg(grid_deg, curve.speed_rad_s(grid_deg)[None])[0]
     low, high = (None if np.isnan(edge) else edge for edge in edges.tolist())
     return low, high

@@ -8,11 +8,11 @@ import pytest
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.features_of_runs import features_of
 from usmbench.diagnose.noise import LAGS
-from usmbench.diagnose.shapes import hats
 from usmbench.diagnose.step_columns import after_steps
 from usmbench.diagnose.stretches import Stretch
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.linear import free_run
+from usmbench.model.polygon import hats
 from usmbench.runs.record import Record
 
 
