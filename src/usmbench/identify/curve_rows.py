@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from usmbench.identify.data import Dataset, Segment
 from usmbench.identify.dynamics import NONE, Dynamics
-from usmbench.identify.projected import Fit
-from usmbench.identify.robust import changing_rows, scales
+from usmbench.identify.projected import Projected
+from usmbench.identify.robust import bisquare_weights, residual_scales
 from usmbench.model.linear import memory_windows
 
 Array = NDArray[np.float64]
@@ -66,7 +66,7 @@ class CurveRows:
         return min(rows, sum(int(np.count_nonzero(fold >= 0)) for fold in self.fold))
 
 
-def curve_rows(data: Dataset, point: int, rough: Fit) -> CurveRows:
+def curve_rows(data: Dataset, point: int, rough: Projected) -> CurveRows:
     """Gather the samples on which a point's curve is chosen.
 
     Where dwells settle, at ten of the phases or at half of few, each gives its median settled
@@ -79,9 +79,10 @@ def curve_rows(data: Dataset, point: int, rough: Fit) -> CurveRows:
     point
         Index of the operating point.
     rough
-        A first fit to the same samples; what lies far off it is left out.
+        A first fit to the same samples; what lies far off it is left out, and the noisier kind of
+        its rows counts for less.
     """
-    dynamics = rough.dynamics
+    dynamics = rough.fit.dynamics
     forget = memory_windows(dynamics.linear_part(None))
     phases, speeds, error_rad_s = _dwell_medians(data, point, forget)
     few = np.unique(data.phase_deg(point)).size / 2.0
@@ -90,8 +91,9 @@ def curve_rows(data: Dataset, point: int, rough: Fit) -> CurveRows:
         return CurveRows((phases,), (speeds,), (fold,), NONE, (np.ones(fold.size),), standing)
     chosen = [k for k, s in enumerate(data.segments) if s.point == point]
     pieces = [data.segments[k] for k in chosen]
-    residuals = [rough.residual_rad_s[k] for k in chosen]
-    wild, weights = _wild(residuals, pieces), _weights(residuals, pieces, dynamics)
+    wild = _wild([rough.fit.residual_rad_s[k] for k in chosen], pieces)
+    # Those of the problem are of the round before its last.
+    weights = bisquare_weights(rough, residual_scales(rough))
     total = sum(s.n for s in pieces)
     keep = min(1.0, _MOST_ROWS / total)
     cut = [max(forget + 1, int(s.n * keep)) for s in pieces]
@@ -107,7 +109,7 @@ def curve_rows(data: Dataset, point: int, rough: Fit) -> CurveRows:
         tuple(s.speed_rad_s[: f.size] for s, f in zip(pieces, folds, strict=True)),
         tuple(folds),
         dynamics,
-        tuple(weight[: f.size] for weight, f in zip(weights, folds, strict=True)),
+        tuple(1.0 / weights[k].spread[: f.size] for k, f in zip(chosen, folds, strict=True)),
     )
 
 
@@ -117,17 +119,6 @@ def _wild(residuals: Sequence[Array], pieces: Sequence[Segment]) -> list[NDArray
     top = max(float(np.quantile(np.abs(s.speed_rad_s), 0.95)) for s in pieces)
     limit = max(_WILD_SCALES * scale, _WILD_SHARE * top)
     return [np.abs(residual) > limit for residual in residuals]
-
-
-def _weights(
-    residuals: Sequence[Array], pieces: Sequence[Segment], dynamics: Dynamics
-) -> list[Array]:
-    """Weigh samples just after a change of phase by how much worse the lag meets them."""
-    changing = [changing_rows(s.phase_deg, dynamics) for s in pieces]
-    settled_rad_s, moving_rad_s = scales(np.concatenate(residuals), np.concatenate(changing))
-    # A model that passes through most rows exactly has no scale to weigh by.
-    less = settled_rad_s / moving_rad_s if 0.0 < settled_rad_s < moving_rad_s else 1.0
-    return [np.where(moved, less, 1.0) for moved in changing]
 
 
 def _dwell_medians(data: Dataset, point: int, forget: int) -> tuple[Array, Array, float]:

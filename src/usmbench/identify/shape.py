@@ -155,7 +155,7 @@ def settle_shape(data: Dataset, part: Dataset, options: FastOptions) -> Shape:
     rough = Projected(stretches, family, start, alike, soft_priors(part, knots_deg))
     if given is None:
         rough = robust_fit(rough).problem
-    rows = [curve_rows(part, k, rough.fit) for k in points]
+    rows = [curve_rows(part, k, rough) for k in points]
     choices = [
         _choice(rows[k], options, degrees[k], (knots_deg[k][0], knots_deg[k][-1])) for k in points
     ]
