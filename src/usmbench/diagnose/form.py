@@ -9,17 +9,17 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.noise import KINDS, step_kind
 from usmbench.diagnose.stretches import Stretch
+from usmbench.model.effects.base import PHYSICS
 from usmbench.model.polygon import hats
 
 Array = NDArray[np.float64]
 
-OFF = 0.1  # standard deviation, as a share of the effect
 ROUGHLY = 0.02  # the same from window to window
 _SPEEDS = (0.0, 0.1, 0.3, 0.6, 1.0)  # of the highest
 _LAGS = (0.0, 1.0, 2.0, 4.0, 10.0)  # windows since the step
 
 
-def off_in_form(stretch: Stretch, change_rad_s: Array) -> Array:
+def off_in_form(stretch: Stretch, change_rad_s: Array, form_off: float = PHYSICS) -> Array:
     """Return by what an effect may be off, in columns of one standard deviation, shape (N, D).
 
     It may also come sooner or later: a model of slow runs knows little of the motor's lag.
@@ -30,6 +30,8 @@ def off_in_form(stretch: Stretch, change_rad_s: Array) -> Array:
         The stretch.
     change_rad_s
         What the effect changes, shape (N,).
+    form_off
+        Standard deviation, as a share of the effect.
     """
     settled = np.abs(stretch.settled_rad_s)
     share = settled / max(float(np.max(settled, initial=0.0)), 1e-12)
@@ -40,5 +42,5 @@ def off_in_form(stretch: Stretch, change_rad_s: Array) -> Array:
         np.sign(stretch.settled_rad_s),
     ]
     later = np.diff(change_rad_s, prepend=change_rad_s[:1])
-    off: Array = OFF * np.column_stack((change_rad_s[:, None] * np.column_stack(columns), later))
-    return off
+    every = (change_rad_s[:, None] * np.column_stack(columns), later)
+    return np.asarray(form_off * np.column_stack(every))

@@ -22,6 +22,7 @@ from usmbench.diagnose.knowledge import Knowledge
 from usmbench.diagnose.noise import Noise
 from usmbench.diagnose.stretches import Mask, Stretch
 from usmbench.diagnose.whitening import memory_rows, whitening
+from usmbench.model.effects.base import PHYSICS
 from usmbench.model.extended import Applied, at_shaft_angle
 
 Array = NDArray[np.float64]
@@ -109,16 +110,18 @@ class Problem:
         other._judge(masks)
         return other
 
-    def doubting(self, effects: Sequence[Applied]) -> "Problem":
+    def doubting(self, effects: Sequence[Applied], form_off: float = PHYSICS) -> "Problem":
         """Return the same problem where the form of effects may be off.
 
         Parameters
         ----------
         effects
             The effects.
+        form_off
+            By which share of themselves.
         """
         changes = self.change_rad_s(effects)
-        off = [off_in_form(s, c) for s, c in zip(self.stretches, changes, strict=True)]
+        off = [off_in_form(s, c, form_off) for s, c in zip(self.stretches, changes, strict=True)]
         level = np.concatenate([self.noise.level_rad_s(s) for s in self.stretches])
         kept = 1.0 / np.hypot(1.0, ROUGHLY * np.concatenate(changes) / level)
         return self._also(np.concatenate(off), 1.0, csr_array(diags_array(kept) @ self._filter))

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 
 from usmbench.diagnose.basis import Basis
-from usmbench.diagnose.cancelling import cancelling
 from usmbench.diagnose.found import Found, verdict_on
 from usmbench.diagnose.knowledge import Knowledge
 from usmbench.diagnose.naming import SIGNIFICANT, Ranked, rank, whole_test
 from usmbench.diagnose.noise import Noise
 from usmbench.diagnose.noise_estimate import estimate_noise
+from usmbench.diagnose.pairs import hidden_pair
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.refining import refine_widely
 from usmbench.diagnose.remainder import LOUD
@@ -68,13 +68,15 @@ def search(
     ranked = rank(problem, effects, spread)
     named = name_causes(problem, ranked, effects, spread)
     found = _found(problem, basis, ranked, named)
-    if verdict_on(found, None) == "unexplained" or found.spread > LOUD:
-        pair = cancelling(problem, effects, spread)
-        if pair is not None:
-            both = _found(problem, basis, ranked, pair)
-            if verdict_on(both, None) == "explained" and both.spread <= found.spread:
-                return both
-    return found
+    unclear = verdict_on(found, None) == "unexplained" or found.spread > LOUD
+    if not (unclear or (len(named.rankings) == 1 and named.leaves_a_cause)):
+        return found
+    pair = hidden_pair(problem, ranked, effects, spread, None if unclear else named)
+    if pair is None:
+        return found
+    both = _found(problem, basis, ranked, pair)
+    stands = verdict_on(both, None) == "explained" and both.spread <= found.spread
+    return both if stands else found
 
 
 def _found(problem: Problem, basis: Basis, ranked: list[Ranked], named: Named) -> Found:

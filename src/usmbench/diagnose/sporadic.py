@@ -10,7 +10,6 @@ from scipy.stats import poisson
 
 from usmbench.diagnose.chance import chancy_of, struck_by
 from usmbench.diagnose.evidence import Estimate, NamedCause
-from usmbench.diagnose.form import OFF
 from usmbench.diagnose.naming import SIGNIFICANT, TELLING
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.spikes import (
@@ -23,6 +22,7 @@ from usmbench.diagnose.spikes import (
     steady,
 )
 from usmbench.diagnose.stretches import Mask
+from usmbench.model.effects.base import PHYSICS
 from usmbench.model.effects.lone_windows import LoneWindows, SporadicEffect, Weighed
 from usmbench.model.effects.registry import library
 from usmbench.model.extended import Applied
@@ -36,7 +36,7 @@ _TOLD = 2  # healthy runs have one now and then
 _AS_USUAL = 2.0  # times the rate of the identified runs: their plans differ
 _OF_COUNT = 0.25  # a counter is off by whole ones
 # What an effect's form may be off by is no count, nor what it changes by beside the window.
-_OF_EFFECT, _SOON, _BESIDE = 3.0 * OFF, 3, 5  # share; windows around
+_OF_EFFECT, _SOON, _BESIDE = 3.0 * PHYSICS, 3, 5  # share; windows around
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,6 +32,7 @@ _MOST_CAUSES = 3
 # For what healthy runs show anyhow; see "nothing hidden" in benchmarks/naming_campaign.py.
 _UNUSUAL = 1e-9
 _LEAST_CLEAR = 0.1  # of the rows: what is left where chance cannot strike must tell something
+_BY_CHANCE = 3.8  # mean squares: 95 % of chi-squared with one
 _TURNS = 4  # of weighing one of two causes given the other
 
 
@@ -49,12 +50,15 @@ class Named:
         All of them together.
     spread
         Standard deviation of the whitened noise that they leave.
+    leaves_a_cause
+        Whether another one is clear beside them, though not worth a name.
     """
 
     problem: Problem
     rankings: list[list[Ranked]]
     fit: Fit
     spread: float
+    leaves_a_cause: bool = False
 
 
 def name_causes(
@@ -82,7 +86,7 @@ def name_causes(
             before, here = _together(effects, found, here)
         worth = _first_worth(found, before, here)
         if worth is None:
-            break
+            return replace(found, leaves_a_cause=True)
         here, longer = worth
         found = settled(problem, [*before, here], longer)
         if here[0].effect.by_chance and scatters(problem, longer.effects):
@@ -123,8 +127,8 @@ def _first_worth(
     problem, first = found.problem, First()
     earned = held_out_drop(problem, found.fit)
     if found.rankings:
-        disputed = any(alternatives(ranking) for ranking in (*found.rankings, *before))
-        first = First(found.rankings[0][0].statistic, disputed)
+        every = [alternatives(ranking) for ranking in (*found.rankings, *before)]
+        first = First(found.fit.statistic / found.spread**2, frozenset().union(*every))
     for best in (r for r in nearest(ranked) if r.p_value < CLEAR):
         longer = refine_widely(problem, best.fit)
         drop = held_out_drop(problem, longer)
@@ -168,8 +172,12 @@ def _with_the_rest(problem: Problem, effects: Sequence[Effect], found: Named) ->
     if not rest.rankings:
         return found
     fit = _beside(problem, chance, rest.fit.effects)
-    # What acts elsewhere has to do so there, too.
-    if fit.statistic <= problem.drop(found.fit.effects):
+    alone = refine_widely(problem, found.fit)
+    # What acts elsewhere has to do so there, too, as far as the scatter shows it.
+    there = problem.with_masks([m & s for m, s in zip(problem.masks, struck, strict=True)])
+    left = there.left(alone.effects)
+    least = there.drop(alone.effects) - _BY_CHANCE * float(left @ left) / max(there.n_rows, 1)
+    if fit.statistic <= alone.statistic or there.drop(fit.effects) < least:
         return found
     both = settled(problem, [found.rankings[-1], *rest.rankings], fit)
     return replace(both, spread=found.spread)
@@ -179,7 +187,8 @@ def _beside(problem: Problem, chance: Applied, rest: Sequence[Applied]) -> Fit:
     """Fit what acts by chance anew, beside other causes, unless it fits better as it is."""
     again = sharpen(problem, fit_effect(problem, chance.effect, rest), rest)
     both = [(one, *rest) for one in (again.effects[-1], chance)]
-    return max((Fit(b, problem.drop(b), 0.0) for b in both), key=lambda fit: fit.statistic)
+    fits = (refine_widely(problem, Fit(b, problem.drop(b), 0.0)) for b in both)
+    return max(fits, key=lambda fit: fit.statistic)
 
 
 def _together(

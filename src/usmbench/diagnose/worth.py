@@ -7,9 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.fitting import Fit
-from usmbench.diagnose.form import OFF
+from usmbench.diagnose.naming import whole_test
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.refining import refine_widely
+from usmbench.diagnose.views import omnibus
+from usmbench.model.effects.base import PHYSICS
 from usmbench.model.extended import Applied
 
 Array = NDArray[np.float64]
@@ -21,7 +23,8 @@ _SECOND_LEAST, _SECOND_SHARE = 50.0, 3e-4
 _CLEAR_LEAST, _CLEAR_SHARE = 20.0, 2.5e-3
 # Of what it brings; a cause that keeps less looks like a misfit of those before it, and has to
 # bring more than a form leaves that is off by as much as forms are.
-_ITSELF, _MISFIT_SHARE = 0.9, OFF**2
+_ITSELF = 0.9
+_REST = 0.1  # of it
 _ONE_FOLD = 2.0 / 3.0  # of what it takes from unseen blocks
 # That a cause has to explain better: rows, or places in the runs, where it acts at starts only.
 _FEWEST_ROWS, _FEWEST_PLACES = 8.0, 2.5
@@ -37,13 +40,13 @@ class First:
     ----------
     evidence
         What it brings, in deviance over the noise's spread; 0 where there is none.
-    disputed
-        Whether other causes may stand for it, or for one named since: what it leaves is then what
-        they part in.
+    rivals
+        Causes that may stand for it, or for one named since: what it leaves is then what they part
+        in.
     """
 
     evidence: float = 0.0
-    disputed: bool = False
+    rivals: frozenset[str] = frozenset()
 
 
 def worth_a_name(
@@ -83,32 +86,66 @@ def _beyond_form(problem: Problem, before: Fit, longer: Fit, first: First, sprea
     """
     same = [a.effect for a in before.effects] == [a.effect for a in longer.effects[:-1]]
     if same:
-        return _earns_its_place(problem, before.effects, longer.effects, first, spread)
+        return earns_its_place(problem, before.effects, longer.effects, first, spread)
     for k in range(len(longer.effects)):
         rest = replace(longer, effects=longer.effects[:k] + longer.effects[k + 1 :])
         others = refine_widely(problem, rest).effects
-        if not _earns_its_place(problem, others, longer.effects, first, spread):
+        if not earns_its_place(problem, others, longer.effects, first, spread):
             return False
     return True
 
 
-def _earns_its_place(
+def earns_its_place(
     problem: Problem,
     others: Sequence[Applied],
     together: Sequence[Applied],
     first: First,
     spread: float,
 ) -> bool:
-    whole = (problem, problem.doubting(others))
+    """Return whether causes bring more than the form of others may be off by.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    others, together
+        The causes that they have to explain more than, and all that are weighed.
+    first
+        The first cause.
+    spread
+        Standard deviation of the whitened noise, at least 1.
+    """
+    off = _form_off(others, together, first)
+    whole = (problem, problem.doubting(others, off))
     brings, kept = (_gained(p, others, together) / spread**2 for p in whole)
     itself = kept > _ITSELF * brings
     # What is jagged is off where no smooth doubt covers it: at the phases that it leads to.
     smooth = not any(applied.effect.jagged for applied in others)
-    share = _SECOND_SHARE if smooth and itself else _MISFIT_SHARE
+    apart = itself and (smooth or _takes_the_rest(problem, others, together, spread))
+    share = _SECOND_SHARE if apart else off**2
     least = _SECOND_LEAST
-    if itself and not first.disputed:
+    if itself and not first.rivals:
         least = min(least, max(_CLEAR_LEAST, _CLEAR_SHARE * first.evidence))
     return kept >= max(least, _SECOND_SHARE * first.evidence) and brings >= share * first.evidence
+
+
+def _form_off(others: Sequence[Applied], together: Sequence[Applied], first: First) -> float:
+    """Share of themselves by which the form of the others may be off.
+
+    Where a cause that is not among them may stand for one of them, its form is what counts.
+    """
+    if not first.rivals <= {applied.effect.name for applied in together}:
+        return PHYSICS
+    return max(applied.effect.form_off for applied in others)
+
+
+def _takes_the_rest(
+    problem: Problem, others: Sequence[Applied], together: Sequence[Applied], spread: float
+) -> bool:
+    """Whether the last effect takes what the views show of what the others leave."""
+    basis = omnibus(problem)["all"]
+    left, after = (whole_test(problem, basis, e, spread).excess for e in (others, together))
+    return after < _REST * left
 
 
 def _gained(problem: Problem, before: Sequence[Applied], after: Sequence[Applied]) -> float:

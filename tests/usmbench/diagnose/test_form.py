@@ -3,11 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.form import OFF, off_in_form
+from usmbench.diagnose.form import off_in_form
 from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.stretches import Stretch
+from usmbench.model.effects.base import DEFINITION, PHYSICS
 from usmbench.model.effects.registry import find_effect
 from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
@@ -23,8 +24,10 @@ def test_an_effect_is_off_by_a_share_of_itself_at_each_speed_and_time(
     change = np.where(stretch.lag == 0, 2.0, 0.0)
     off = off_in_form(stretch, change)
     assert not np.any(off[(change == 0.0) & (np.r_[0.0, change[:-1]] == 0.0)])
-    assert np.max(np.abs(off)) <= 2.0 * OFF
+    assert np.max(np.abs(off)) <= 2.0 * PHYSICS
     np.testing.assert_allclose(off_in_form(stretch, 3.0 * change), 3.0 * off)
+    less = off_in_form(stretch, change, DEFINITION)
+    np.testing.assert_allclose(less, DEFINITION / PHYSICS * off)
 
 
 def test_a_doubted_effect_leaves_its_share_and_no_more(

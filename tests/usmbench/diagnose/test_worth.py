@@ -52,6 +52,7 @@ def test_a_first_cause_may_hold_unevenly_but_not_in_one_place_alone(
     assert worth_a_name(problem, NOTHING, fit, np.array(unseen), First(), 1.0) == worth
 
 
+LEANS = applied("gain_asymmetry", "balanced", asymmetry=0.05)
 GRID = applied("phase_quantisation", "rounded", step_deg=3.0)
 
 
@@ -59,12 +60,22 @@ GRID = applied("phase_quantisation", "rounded", step_deg=3.0)
     ("first_is", "kept", "share", "worth"),
     [
         (LATE, 0.95, 0.005, True),
-        (LATE, 0.85, 0.005, False),
-        (LATE, 0.1, 0.02, True),
+        (LATE, 0.85, 0.005, True),
+        (LATE, 0.85, 0.0005, False),
+        (LEANS, 0.85, 0.005, False),
+        (LEANS, 0.1, 0.02, True),
         (GRID, 0.95, 0.005, False),
         (GRID, 0.95, 0.02, True),
     ],
-    ids=["another", "a misfit", "too much for one", "beside what is jagged", "too much beside it"],
+    ids=[
+        "another",
+        "too much for what is defined",
+        "a misfit even of that",
+        "a misfit",
+        "too much for one",
+        "beside what is jagged",
+        "too much beside it",
+    ],
 )
 def test_a_cause_that_may_be_a_misfit_of_the_first_is_asked_for_more(
     problem: Problem,
@@ -87,7 +98,7 @@ def test_a_cause_that_may_be_a_misfit_of_the_first_is_asked_for_more(
     [
         (30.0, 1.0, First(1e3), True),
         (15.0, 1.0, First(1e3), False),
-        (30.0, 1.0, First(1e3, disputed=True), False),
+        (30.0, 1.0, First(1e3, frozenset({"slow_dynamics"})), False),
         (30.0, 1.0, First(2e4), False),
         (50.0, 1.0, First(2e4), True),
         (50.0, 0.8, First(1e3), False),

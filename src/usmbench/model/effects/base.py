@@ -28,6 +28,12 @@ Array = NDArray[np.float64]
 Stage = Literal["command", "settled", "dynamics", "motion", "counter"]
 Values = Mapping[str, float]
 
+PHYSICS, DEFINITION = 0.1, 0.03
+"""Standard deviations of an effect's form, as shares of it.
+
+What a motor's physics leaves open, and what is open where the form is a definition, as that of an
+offset is: only the curve beneath it may be off then."""
+
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
@@ -120,6 +126,7 @@ class Effect(ABC):
     needs: ClassVar[tuple[str, ...]] = ()
     by_chance: ClassVar[bool] = False  # the windows it acts on keep a scatter of its own
     jagged: ClassVar[bool] = False  # values a little apart change other windows; none has a size
+    form_off: ClassVar[float] = PHYSICS  # share of itself by which its form may be off
     early: ClassVar[bool] = False  # the other effects of its stage act on what it leaves
     sporadic: ClassVar[bool] = False  # it acts on single windows; see `SporadicEffect`
 

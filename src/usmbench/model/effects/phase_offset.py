@@ -1,12 +1,13 @@
 """The two drive phases are not where they are commanded."""
 
-from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+from usmbench.model.effects.base import DEFINITION, Array, Context, Effect, Parameter, Values
 
 
 class PhaseOffset(Effect):
     """φ′ = φ + offset: a constant angle between the two channels, from cables or amplifiers."""
 
     name = "phase_offset"
+    form_off = DEFINITION
     meaning = "The two drive phases are a constant angle away from where they are commanded."
     mend = "Measure the phase between the amplifier outputs at 0° with an oscilloscope."
     stage = "command"

@@ -5,6 +5,8 @@ from dataclasses import replace
 from typing import ClassVar
 
 from usmbench.model.effects.base import (
+    DEFINITION,
+    PHYSICS,
     Array,
     Context,
     DynamicsEffect,
@@ -24,6 +26,7 @@ class SpeedScale(Effect):
     meaning = "All speeds differ from the simulation by one factor."
     mend = "Check counts_per_rev against the disc, the sample clock, and the drive amplitude."
     stage: ClassVar[Stage] = "counter"
+    form_off: ClassVar[float] = DEFINITION
     parameters = (Parameter("scale_error", "1", 0.0, -0.9, 3.0, 0.01),)
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
@@ -42,6 +45,7 @@ class MotorGain(SpeedScale):
 
     form = "of the motor"
     stage = "settled"
+    form_off = PHYSICS
 
     def untestable(self, contexts: Sequence[Context]) -> str | None:
         """Return why these runs cannot show the cause, or None where they can.
@@ -67,6 +71,7 @@ class MovedContact(SpeedScale, DynamicsEffect):
     meaning = "The rotor touches the stator at another radius: speeds and lag differ."
     mend = "Look at the friction layer's track on the stator; lap it, or let it bed in again."
     stage = "settled"
+    form_off = PHYSICS
 
     def linear_part(self, linear: LinearPart, context: Context, values: Values) -> LinearPart:
         """Return the linear part of the other lag.

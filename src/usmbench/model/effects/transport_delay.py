@@ -4,7 +4,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from usmbench.model.effects.base import Array, Context, DynamicsEffect, Parameter, Values
+from usmbench.model.effects.base import (
+    DEFINITION,
+    Array,
+    Context,
+    DynamicsEffect,
+    Parameter,
+    Values,
+)
 from usmbench.model.effects.first_order import later
 from usmbench.model.hammerstein import LinearPart
 
@@ -16,6 +23,7 @@ class TransportDelay(DynamicsEffect):
     """
 
     name = "transport_delay"
+    form_off = DEFINITION
     meaning = "Commands act later than the simulation says."
     mend = "Time a command from the host to the generator's pins; look at the line's rate."
     parameters = (Parameter("delay_s", "s", 0.0, 0.0, 1.0, 0.002, scanned=True),)

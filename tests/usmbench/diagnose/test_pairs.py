@@ -1,11 +1,12 @@
-"""Two causes at one place that nearly cancel."""
+"""Two causes of which neither is found alone."""
 
 import numpy as np
 import pytest
 
 from known_motor import applied, driven, identified
-from usmbench.diagnose.cancelling import cancelling
 from usmbench.diagnose.cut_runs import cut_runs
+from usmbench.diagnose.naming import rank
+from usmbench.diagnose.pairs import hidden_pair
 from usmbench.diagnose.pipeline import own_effects, searched
 from usmbench.diagnose.stretches import Stretch
 from usmbench.model.effects.registry import library
@@ -25,8 +26,11 @@ def _offset(degrees: float) -> Applied:
     return applied("phase_offset", "", offset_deg=degrees)
 
 
-def _stretches(model: HammersteinModel, *hidden: Applied) -> list[Stretch]:
+def _stretches(model: HammersteinModel, *hidden: Applied, stairs: bool = False) -> list[Stretch]:
     phase_deg = np.repeat(np.random.default_rng(8).uniform(-88.0, 88.0, 400), 5)
+    if stairs:
+        up_deg = np.linspace(-88.0, 88.0, 23)
+        phase_deg = np.repeat(np.concatenate([up_deg, up_deg[::-1]]), 40)
     return cut_runs([driven(phase_deg, 41, *hidden)], model, own_effects(model))[0]
 
 
@@ -42,6 +46,23 @@ def test_a_register_and_an_offset_are_both_named(
 
 
 @pytest.mark.parametrize(
+    ("offset_deg", "asymmetry"),
+    [(-0.3, 0.01), (-0.6, 0.02), (0.6, 0.02)],
+    ids=["against it", "more against it", "with it, much like a weight"],
+)
+def test_an_offset_and_teeth_that_lean_are_both_named(
+    model: HammersteinModel, offset_deg: float, asymmetry: float
+) -> None:
+    lean = applied("gain_asymmetry", "balanced", asymmetry=asymmetry)
+    found = searched(_stretches(model, _offset(offset_deg), lean, stairs=True), model)
+    values = {a.effect.name: a.values for a in found.fit.effects}
+    assert sorted(r[0].effect.name for r in found.named) == ["gain_asymmetry", "phase_offset"]
+    assert values["phase_offset"]["offset_deg"] == pytest.approx(offset_deg, abs=0.02)
+    assert values["gain_asymmetry"]["asymmetry"] == pytest.approx(asymmetry, abs=1e-3)
+
+
+@pytest.mark.parametrize("stairs", [False, True])
+@pytest.mark.parametrize(
     "hidden",
     [
         (),
@@ -52,16 +73,13 @@ def test_a_register_and_an_offset_are_both_named(
     ],
     ids=["nothing", "an offset", "a register", "unsigned counts", "backlash"],
 )
-def test_what_is_one_cause_is_no_pair(model: HammersteinModel, hidden: tuple[Applied, ...]) -> None:
-    problem = searched(_stretches(model, *hidden), model).problem
+def test_what_is_one_cause_is_no_pair(
+    model: HammersteinModel, hidden: tuple[Applied, ...], stairs: bool
+) -> None:
+    problem = searched(_stretches(model, *hidden, stairs=stairs), model).problem
     effects = [
         e
         for e in library()
         if not e.sporadic and e.untestable([s.context for s in problem.stretches]) is None
     ]
-    assert cancelling(problem, effects, 1.0) is None
-
-
-def test_without_a_jagged_cause_there_is_no_pair(model: HammersteinModel) -> None:
-    problem = searched(_stretches(model), model).problem
-    assert cancelling(problem, [_offset(1.0).effect], 1.0) is None
+    assert hidden_pair(problem, rank(problem, effects, 1.0), effects, 1.0) is None
