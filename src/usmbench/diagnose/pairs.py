@@ -3,8 +3,8 @@
 A register that drops bits sets every phase too low by half a step on average; where somebody has
 set that right by an offset, either alone would make the simulation worse. And where another offset
 adds to it, the two together pass for one, and what the steps leave for a noise that has grown. An
-offset and teeth that lean against it hold on no block that a fit has not seen, and with it they
-are a weight that hardly anything is left of.
+offset and teeth that lean against it hold, alone, on no block that a fit has not seen; where the
+teeth lean with it, a weight is nearly the same as the two.
 """
 
 from collections.abc import Sequence
@@ -54,6 +54,8 @@ def hidden_pair(
     taken = set() if named is None else {a.effect.name for a in named.fit.effects}
     free = [e for e in effects if e.name not in taken]
     names = list(dict.fromkeys(r.effect.name for r in ranked if r.effect.name not in taken))
+    if len(names) < 2:
+        return None
     leads = [next(r for r in ranked if r.effect.name == name) for name in names[:_LEADS]]
     pairs = [_led_by(problem, lead, free, spread) for lead in leads]
     if named is None:
@@ -62,8 +64,6 @@ def hidden_pair(
             for jagged, smooth in product(free, free)
             if jagged.jagged and not smooth.jagged and smooth.stage == jagged.stage
         ]
-    if not pairs:
-        return None
     best = max(pairs, key=lambda fit: fit.statistic)
     alone = ranked[0] if named is None else named.rankings[0][0]
     if not _worth_their_names(problem, best, refine(problem, alone.fit), ranked, spread):

@@ -61,17 +61,17 @@ def test_an_offset_and_teeth_that_lean_are_both_named(
     assert values["gain_asymmetry"]["asymmetry"] == pytest.approx(asymmetry, abs=1e-3)
 
 
-@pytest.mark.parametrize("stairs", [False, True])
 @pytest.mark.parametrize(
-    "hidden",
+    ("hidden", "stairs"),
     [
-        (),
-        (_offset(0.7),),
-        (COARSE,),
-        (applied("unsigned_counts", ""),),
-        (applied("coupling_backlash", "", gap_rad=0.02),),
+        ((), True),
+        ((_offset(0.7),), True),
+        ((COARSE,), False),
+        ((applied("unsigned_counts", ""),), False),
+        ((applied("coupling_backlash", "", gap_rad=0.02),), False),
+        ((applied("load_torque", "weight", one_sided_rad_s=-0.1),), True),
     ],
-    ids=["nothing", "an offset", "a register", "unsigned counts", "backlash"],
+    ids=["nothing", "an offset", "a register", "unsigned counts", "backlash", "a weight"],
 )
 def test_what_is_one_cause_is_no_pair(
     model: HammersteinModel, hidden: tuple[Applied, ...], stairs: bool

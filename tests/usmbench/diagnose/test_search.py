@@ -1,4 +1,4 @@
-"""Which windows a search sets aside as exceptions."""
+"""What a search sets aside as exceptions, and what it finds beside them."""
 
 from dataclasses import replace
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from known_motor import NOISE_RAD_S, applied, driven, identified, measured
+from known_motor import NOISE_RAD_S, WINDOW_S, applied, driven, identified, measured
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.found import Found
 from usmbench.diagnose.knowledge import knowledge_of
@@ -73,3 +73,18 @@ def test_what_a_faster_run_shows_of_an_effect_is_not_the_size_of_its_cause(
     noisy = faster * shown + NOISE_RAD_S * noise.standard_normal(shown.size)
     found = search([replace(stretch, speed_rad_s=noisy)], known, (), [offset.effect])
     assert found.fit.effects[0].values["offset_deg"] == pytest.approx(2.0, rel=0.01)
+
+
+def test_a_contact_that_has_worn_is_found_beside_lost_counts(model: HammersteinModel) -> None:
+    levels_deg = np.array([-85.0, -65, -40, -20, 0, 20, 45, 70, 85])
+    phase_deg = np.repeat(np.random.default_rng(8).choice(levels_deg, 400), 5)
+    worn = applied("speed_scale", "of the contact", scale_error=0.012)
+    record = driven(phase_deg, 41, worn)
+    count_rad_s = 2.0 * np.pi / 2000.0 / WINDOW_S
+    speed_rad_s = np.abs(record.speed_rad_s)
+    too_fast_rad_s = np.maximum(speed_rad_s - 10.2, 0.0)
+    n_lost = np.random.default_rng(1).poisson(10.0 * too_fast_rad_s / count_rad_s)
+    counted = np.sign(record.speed_rad_s) * (speed_rad_s - n_lost * count_rad_s)
+    found = _searched(replace(record, speed_rad_s=counted), model)
+    assert _names(found) == {"missed_counts", "speed_scale"}
+    assert found.fit.effects[1].values["scale_error"] == pytest.approx(0.012, abs=0.004)

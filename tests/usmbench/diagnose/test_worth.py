@@ -7,6 +7,7 @@ from known_motor import applied, driven, identified
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.fitting import NOTHING, Fit
 from usmbench.diagnose.knowledge import knowledge_of
+from usmbench.diagnose.naming import Whole
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.worth import First, worth_a_name
 from usmbench.model.extended import Applied
@@ -116,6 +117,36 @@ def test_a_second_cause_has_to_bring_something_of_its_own(
     found = iter([brings, kept * brings])
     monkeypatch.setattr("usmbench.diagnose.worth._gained", lambda *_: next(found))
     before, longer = _fit(problem, LATE), _fit(problem, LATE, WARMS)
+    assert worth_a_name(problem, before, longer, np.array(EVERYWHERE), first, 1.0) == worth
+
+
+@pytest.mark.parametrize(
+    ("rivals", "worth"),
+    [((), True), (("thermal_drift",), True), (("slow_dynamics",), False)],
+    ids=["none", "the second itself", "a third"],
+)
+def test_a_cause_that_a_third_may_stand_for_is_no_definition(
+    problem: Problem, monkeypatch: pytest.MonkeyPatch, rivals: tuple[str, ...], worth: bool
+) -> None:
+    before, longer = _fit(problem, LATE), _fit(problem, LATE, WARMS)
+    found = iter([1000.0, 500.0])
+    monkeypatch.setattr("usmbench.diagnose.worth._gained", lambda *_: next(found))
+    first = First(2e5, frozenset(rivals))
+    assert worth_a_name(problem, before, longer, np.array(EVERYWHERE), first, 1.0) == worth
+
+
+@pytest.mark.parametrize(("left", "worth"), [(20.0, True), (200.0, False)])
+def test_beside_a_grid_a_cause_that_takes_all_the_views_show_needs_no_more(
+    problem: Problem, monkeypatch: pytest.MonkeyPatch, left: float, worth: bool
+) -> None:
+    before, longer = _fit(problem, GRID), _fit(problem, GRID, WARMS)
+    found = iter([1000.0, 950.0])
+    excess = iter([1000.0, left])
+    monkeypatch.setattr("usmbench.diagnose.worth._gained", lambda *_: next(found))
+    monkeypatch.setattr(
+        "usmbench.diagnose.worth.whole_test", lambda *_: Whole(next(excess), 0.0, 2000)
+    )
+    first = First(2e5)
     assert worth_a_name(problem, before, longer, np.array(EVERYWHERE), first, 1.0) == worth
 
 
