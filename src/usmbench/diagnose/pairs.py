@@ -65,8 +65,8 @@ def hidden_pair(
             if jagged.jagged and not smooth.jagged and smooth.stage == jagged.stage
         ]
     best = max(pairs, key=lambda fit: fit.statistic)
-    alone = ranked[0] if named is None else named.rankings[0][0]
-    if not _worth_their_names(problem, best, refine(problem, alone.fit), ranked, spread):
+    one_alone = ranked if named is None else named.rankings[0]
+    if not _worth_their_names(problem, best, one_alone, spread):
         return None
     one, other = best.effects
     rankings = [_beside(problem, effects, spread, other), _beside(problem, effects, spread, one)]
@@ -77,13 +77,14 @@ def hidden_pair(
 
 
 def _worth_their_names(
-    problem: Problem, pair: Fit, alone: Fit, ranked: Sequence[Ranked], spread: float
+    problem: Problem, pair: Fit, one_alone: Sequence[Ranked], spread: float
 ) -> bool:
     """Whether two causes hold on unseen blocks, and explain more than the form of one is off by."""
+    alone = refine(problem, one_alone[0].fit)
     unseen = held_out_drop(problem, pair)
     if not worth_a_name(problem, NOTHING, pair, unseen, First(), spread):
         return False
-    first = First(alone.statistic / spread**2, frozenset(alternatives(ranked)))
+    first = First(alone.statistic / spread**2, frozenset(alternatives(one_alone)))
     more = np.sum(unseen) > np.sum(held_out_drop(problem, alone))
     return bool(more) and earns_its_place(problem, alone.effects, pair.effects, first, spread)
 

@@ -24,7 +24,7 @@ _CLEAR_LEAST, _CLEAR_SHARE = 20.0, 2.5e-3
 # Of what it brings; a cause that keeps less looks like a misfit of those before it, and has to
 # bring more than a form leaves that is off by as much as forms are.
 _ITSELF = 0.9
-_REST = 0.1  # of it
+_REST = 0.1  # of what the views show: beside a grid, a cause leaves no more of it
 _ONE_FOLD = 2.0 / 3.0  # of what it takes from unseen blocks
 # That a cause has to explain better: rows, or places in the runs, where it acts at starts only.
 _FEWEST_ROWS, _FEWEST_PLACES = 8.0, 2.5
@@ -34,15 +34,14 @@ _MOST_OF_ROW = 100.0  # deviance: ten times the noise
 
 @dataclass(frozen=True, slots=True)
 class First:
-    """The first cause.
+    """The first cause, and those that have been named beside it.
 
     Parameters
     ----------
     evidence
-        What it brings, in deviance over the noise's spread; 0 where there is none.
+        What they bring, in deviance over the noise's spread; 0 where there is none.
     rivals
-        Causes that may stand for it, or for one named since: what it leaves is then what they part
-        in.
+        Causes that may stand for one of them: what is left is then what the two part in.
     """
 
     evidence: float = 0.0
