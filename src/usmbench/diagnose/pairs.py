@@ -14,16 +14,15 @@ import numpy as np
 
 from usmbench.diagnose.fitting import NOTHING, Fit
 from usmbench.diagnose.gain import held_out_drop
-from usmbench.diagnose.naming import CLEAR, Ranked, alternatives, rank
+from usmbench.diagnose.naming import CLEAR, Ranked, alternatives, rank, verdict, whole_test
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.refining import refine, refine_widely
 from usmbench.diagnose.scanning import fit_effect, sharpen
 from usmbench.diagnose.stepwise import Named, settled
+from usmbench.diagnose.views import omnibus
 from usmbench.diagnose.worth import First, earns_its_place, worth_a_name
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
-
-_LEADS = 3  # causes alone, of which one is taken for one of two
 
 
 def hidden_pair(
@@ -35,7 +34,7 @@ def hidden_pair(
 ) -> Named | None:
     """Name two causes at once, or return None.
 
-    These are a jagged and a smooth one that act at one place, or one of the best and what is best
+    These are a jagged and a smooth one that act at one place, or the best one and what is best
     beside it.
 
     Parameters
@@ -53,11 +52,10 @@ def hidden_pair(
     """
     taken = set() if named is None else {a.effect.name for a in named.fit.effects}
     free = [e for e in effects if e.name not in taken]
-    names = list(dict.fromkeys(r.effect.name for r in ranked if r.effect.name not in taken))
-    if len(names) < 2:
+    if len({e.name for e in free}) < 2:
         return None
-    leads = [next(r for r in ranked if r.effect.name == name) for name in names[:_LEADS]]
-    pairs = [_led_by(problem, lead, free, spread) for lead in leads]
+    lead = next(r for r in ranked if r.effect.name not in taken)
+    pairs = [_led_by(problem, lead, free, spread)]
     if named is None:
         pairs += [
             _fitted(problem, jagged, smooth)
@@ -66,7 +64,10 @@ def hidden_pair(
         ]
     best = max(pairs, key=lambda fit: fit.statistic)
     one_alone = ranked if named is None else named.rankings[0]
-    if not _worth_their_names(problem, best, one_alone, spread):
+    if not (
+        _explains(problem, best, spread)  # the cheapest to see comes first
+        and _worth_their_names(problem, best, one_alone, spread)
+    ):
         return None
     one, other = best.effects
     rankings = [_beside(problem, effects, spread, other), _beside(problem, effects, spread, one)]
@@ -87,6 +88,16 @@ def _worth_their_names(
     first = First(alone.statistic / spread**2, frozenset(alternatives(one_alone)))
     more = np.sum(unseen) > np.sum(held_out_drop(problem, alone))
     return bool(more) and earns_its_place(problem, alone.effects, pair.effects, first, spread)
+
+
+def _explains(problem: Problem, pair: Fit, spread: float) -> bool:
+    """Whether two causes leave nothing but what their form may be off by."""
+    doubting = problem.doubting(pair.effects)
+    before, after = (
+        whole_test(p, omnibus(p)["all"], effects, spread)
+        for p, effects in ((problem, ()), (doubting, pair.effects))
+    )
+    return verdict(before, after, pair.statistic / spread**2) == "explained"
 
 
 def _led_by(problem: Problem, lead: Ranked, effects: Sequence[Effect], spread: float) -> Fit:
