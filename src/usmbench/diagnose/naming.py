@@ -13,6 +13,7 @@ from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.refining import refine
 from usmbench.diagnose.result import Verdict
 from usmbench.diagnose.scanning import fit_effect, sharpen
+from usmbench.diagnose.views import omnibus
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
 
@@ -208,6 +209,22 @@ def whole_test(problem: Problem, basis: Basis, effects: Sequence[Applied], sprea
     square = basis.square(problem.left(effects)) / spread**2
     excess, p_value = max(square - rank_, 0.0), float(chi2.sf(square, rank_))
     return Whole(excess, p_value, problem.n_rows)
+
+
+def doubted_test(problem: Problem, effects: Sequence[Applied], spread: float) -> Whole:
+    """Test what effects leave against all views together, where their form may be off.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    effects
+        The effects to take out first.
+    spread
+        Standard deviation of the whitened noise.
+    """
+    doubting = problem.doubting(effects)
+    return whole_test(doubting, omnibus(doubting)["all"], effects, spread)
 
 
 def verdict(before: Whole, after: Whole, statistic: float) -> Verdict:

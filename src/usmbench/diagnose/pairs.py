@@ -14,7 +14,15 @@ import numpy as np
 
 from usmbench.diagnose.fitting import NOTHING, Fit
 from usmbench.diagnose.gain import held_out_drop
-from usmbench.diagnose.naming import CLEAR, Ranked, alternatives, rank, verdict, whole_test
+from usmbench.diagnose.naming import (
+    CLEAR,
+    Ranked,
+    alternatives,
+    doubted_test,
+    rank,
+    verdict,
+    whole_test,
+)
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.refining import refine, refine_widely
 from usmbench.diagnose.scanning import fit_effect, sharpen
@@ -64,10 +72,9 @@ def hidden_pair(
         ]
     best = max(pairs, key=lambda fit: fit.statistic)
     one_alone = ranked if named is None else named.rankings[0]
-    if not (
-        _explains(problem, best, spread)  # the cheapest to see comes first
-        and _worth_their_names(problem, best, one_alone, spread)
-    ):
+    if not _explains(problem, best, spread):  # the cheapest to see comes first
+        return None
+    if not _worth_their_names(problem, best, one_alone, spread):
         return None
     one, other = best.effects
     rankings = [_beside(problem, effects, spread, other), _beside(problem, effects, spread, one)]
@@ -92,11 +99,8 @@ def _worth_their_names(
 
 def _explains(problem: Problem, pair: Fit, spread: float) -> bool:
     """Whether two causes leave nothing but what their form may be off by."""
-    doubting = problem.doubting(pair.effects)
-    before, after = (
-        whole_test(p, omnibus(p)["all"], effects, spread)
-        for p, effects in ((problem, ()), (doubting, pair.effects))
-    )
+    before = whole_test(problem, omnibus(problem)["all"], (), spread)
+    after = doubted_test(problem, pair.effects, spread)
     return verdict(before, after, pair.statistic / spread**2) == "explained"
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from usmbench.diagnose.basis import Basis
 from usmbench.diagnose.found import Found, verdict_on
 from usmbench.diagnose.knowledge import Knowledge
-from usmbench.diagnose.naming import SIGNIFICANT, Ranked, rank, whole_test
+from usmbench.diagnose.naming import SIGNIFICANT, Ranked, doubted_test, rank, whole_test
 from usmbench.diagnose.noise import Noise
 from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.pairs import hidden_pair
@@ -84,8 +84,7 @@ def _found(problem: Problem, basis: Basis, ranked: list[Ranked], named: Named) -
     effects, before = named.fit.effects, whole_test(problem, basis, (), named.spread)
     if not effects:
         return Found(problem, named.spread, ranked, [], named.fit, before, before)
-    doubting = named.problem.doubting(effects)
-    after = whole_test(doubting, omnibus(doubting)["all"], effects, named.spread)
+    after = doubted_test(named.problem, effects, named.spread)
     return Found(named.problem, named.spread, ranked, named.rankings, named.fit, before, after)
 
 

@@ -173,14 +173,21 @@ def _with_the_rest(problem: Problem, effects: Sequence[Effect], found: Named) ->
         return found
     fit = _beside(problem, chance, rest.fit.effects)
     alone = refine_widely(problem, found.fit)
-    # What acts elsewhere has to do so there, too, as far as the scatter shows it.
     there = problem.with_masks([m & s for m, s in zip(problem.masks, struck, strict=True)])
-    left = there.left(alone.effects)
-    least = there.drop(alone.effects) - _BY_CHANCE * float(left @ left) / max(there.n_rows, 1)
-    if fit.statistic <= alone.statistic or there.drop(fit.effects) < least:
+    if fit.statistic <= alone.statistic or _worse(there, alone, fit):
         return found
     both = settled(problem, [found.rankings[-1], *rest.rankings], fit)
     return replace(both, spread=found.spread)
+
+
+def _worse(there: Problem, alone: Fit, fit: Fit) -> bool:
+    """Whether more causes meet the windows that chance strikes worse, as far as scatter shows it.
+
+    What acts elsewhere has to do so there, too.
+    """
+    left, more = there.left(alone.effects), there.left(fit.effects)
+    scatter = float(left @ left) / max(there.n_rows, 1)
+    return float(more @ more - left @ left) > _BY_CHANCE * scatter
 
 
 def _beside(problem: Problem, chance: Applied, rest: Sequence[Applied]) -> Fit:
