@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.check_runs import check_enough, check_motors, check_outside, check_run
-from usmbench.diagnose.stretches import Mask, Stretch
+from usmbench.diagnose.stretches import Before, Mask, Stretch
 from usmbench.diagnose.tabled_curve import TabledCurve
 from usmbench.model.effects.base import Context
 from usmbench.model.extended import Applied, extended_run
@@ -72,6 +72,7 @@ def cut_runs(
         check_outside(record, outside, warnings)
         window_s = float(np.median(record.window_s))
         jumps = np.flatnonzero(np.diff(record.t_s) > _GAP * window_s) + 1
+        highest_rad_s = _highest_rad_s(record, weights, nodes_deg, speeds)
         for rows in _pieces(record.t_s.size, jumps, keep):
             phase_deg, points = record.phase_deg[rows], tuple(w[rows] for w in weights)
             context = Context(
@@ -86,24 +87,41 @@ def cut_runs(
                 None if record.count_rad is None else record.count_rad / window_s,
             )
             measured_rad_s, use = record.speed_rad_s[rows], ~outside[rows]
-            at = (points, places_among(model.points, points))
+            before = _before(record.speed_rad_s[: rows[0]], highest_rad_s[: rows[0]])
+            at = (points, places_among(model.points, points), before)
             stretches.append(_stretch(run, record.name, context, measured_rad_s, effects, use, at))
     check_enough(records, sum(int(np.count_nonzero(s.use)) for s in stretches))
     return stretches, warnings
 
 
 def _pieces(n: int, jumps: NDArray[np.int64], keep: float) -> list[NDArray[np.int64]]:
-    """Rows of the stretches; of a very long run blocks spread evenly over it."""
+    """Rows of the stretches; of a very long run blocks spread evenly over it, ends and all."""
     stretches = np.split(np.arange(n), jumps)
     if keep >= 1.0:
         return [rows for rows in stretches if rows.size > _LONGEST_START]
     pieces = []
     for rows in stretches:
         count = max(1, round(keep * rows.size / _BLOCK))
-        for block in np.array_split(rows, count):
-            middle = (block.size - min(_BLOCK, block.size)) // 2
-            pieces.append(block[middle : middle + _BLOCK])
+        size = min(round(keep * rows.size / count), rows.size)
+        begins = np.linspace(0, rows.size - size, count).astype(int)
+        pieces += [rows[begin : begin + size] for begin in begins if size > _LONGEST_START]
     return pieces
+
+
+def _highest_rad_s(
+    record: Record, weights: Sequence[Array], nodes_deg: Array, speeds: Sequence[Array]
+) -> Array:
+    """Highest speed at each window's operating point, over the phases of the run."""
+    top_deg = record.phase_deg[np.argmax(np.abs(record.speed_rad_s))]
+    at_top = [float(np.interp(top_deg, nodes_deg, speed)) for speed in speeds]
+    highest_rad_s: Array = np.abs(at_top @ np.asarray(weights))
+    return highest_rad_s
+
+
+def _before(speed_rad_s: Array, highest_rad_s: Array) -> Before:
+    """Return what windows add up to."""
+    sums = (np.sum(np.abs(speed_rad_s)), np.sum(speed_rad_s**2), np.sum(highest_rad_s**2))
+    return Before(speed_rad_s.size, *(float(total) for total in sums))
 
 
 def _stretch(
@@ -113,7 +131,7 @@ def _stretch(
     speed_rad_s: Array,
     effects: Sequence[Applied],
     use: Mask,
-    at: tuple[tuple[Array, ...], tuple[Array, ...]],
+    at: tuple[tuple[Array, ...], tuple[Array, ...], Before],
 ) -> Stretch:
     """Simulate a stretch and work out where each row stands after the last command."""
     simulated = extended_run(effects, context)

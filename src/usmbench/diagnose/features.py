@@ -164,7 +164,9 @@ class Features:
             yield from self._warming(stretch, moved)
             # The vibration heats, not the speed: it hangs on the frequency alone.
             vibration = highest_rad_s(stretch) / self.top_rad_s
-            yield moved * np.cumsum(vibration**2 - 1.0) * stretch.context.window_s / self.end_s
+            before = stretch.before
+            so_far = before.highest_squared_rad2_s2 / self.top_rad_s**2 - before.windows
+            yield moved * self._taken(stretch, vibration**2 - 1.0, so_far)
         wider = widening(stretch)
         yield from (column * wider for column in self._over_time(stretch, _EDGE_NODES))
         yield from after_steps(stretch, self.top_rad_s)
@@ -182,9 +184,15 @@ class Features:
     def _warming(self, stretch: Stretch, shape: Array) -> Iterator[Array]:
         """Yield a shape times hats over time, and times the power taken so far."""
         yield from (column * shape for column in self._over_time(stretch, _TIME_NODES))
-        size = np.abs(stretch.simulated_rad_s) / self.top_rad_s
-        for power in (size - 0.5, size**2 - size):
-            yield shape * np.cumsum(power) * stretch.context.window_s / self.end_s
+        before, size = stretch.before, np.abs(stretch.simulated_rad_s) / self.top_rad_s
+        sizes = before.speed_rad_s / self.top_rad_s
+        squares = before.squared_rad2_s2 / self.top_rad_s**2
+        yield shape * self._taken(stretch, size - 0.5, sizes - 0.5 * before.windows)
+        yield shape * self._taken(stretch, size**2 - size, squares - sizes)
+
+    def _taken(self, stretch: Stretch, power: Array, before: float) -> Array:
+        """Return the power taken since the run began, in shares of the known time, shape (N,)."""
+        return (before + np.cumsum(power)) * stretch.context.window_s / self.end_s
 
     def _over_time(self, stretch: Stretch, n_nodes: int) -> Iterator[Array]:
         """Yield hats over time but the first: what is there from the start belongs to the phases.

@@ -13,6 +13,28 @@ Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True)
+class Before:
+    """What the windows of a run before a stretch add up to: by it the motor is warm.
+
+    Parameters
+    ----------
+    windows
+        How many there are.
+    speed_rad_s
+        Sum of their speeds, whatever the direction.
+    squared_rad2_s2
+        Sum of the squares.
+    highest_squared_rad2_s2
+        The same of the highest speed at each one's operating point.
+    """
+
+    windows: int
+    speed_rad_s: float
+    squared_rad2_s2: float
+    highest_squared_rad2_s2: float
+
+
+@dataclass(frozen=True, slots=True)
 class Stretch:
     """Consecutive windows of one run; columns have shape (N,).
 
@@ -44,6 +66,8 @@ class Stretch:
         Weight of each of the model's operating points.
     places
         Place among them in frequency and torque, as far as they differ, from -1 to 1.
+    before
+        What the run did before.
     """
 
     run: int
@@ -59,6 +83,7 @@ class Stretch:
     use: Mask
     points: tuple[Array, ...]
     places: tuple[Array, ...]
+    before: Before
 
     @property
     def again(self) -> NDArray[np.int64]:
