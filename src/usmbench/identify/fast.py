@@ -11,10 +11,12 @@ from usmbench.identify.data import Dataset, describe
 from usmbench.identify.gather import from_windows
 from usmbench.identify.lag_family import LagFamily
 from usmbench.identify.polish import polished
+from usmbench.identify.projected import Projected
 from usmbench.identify.residual_tests import residual_tests
 from usmbench.identify.result import Identification, assemble
 from usmbench.identify.robust import robust_fit
-from usmbench.identify.shape import FastOptions, settle_shape
+from usmbench.identify.run_gains import at_one_gain, run_gains
+from usmbench.identify.shape import FastOptions, rough_fit, settle_shape
 from usmbench.identify.thinning import searched_part
 from usmbench.identify.torque_limit import limited_fit
 from usmbench.identify.uncertainty import (
@@ -32,6 +34,7 @@ __all__ = ["FastOptions", "identify_fast"]
 Array = NDArray[np.float64]
 
 _SEARCH_SHARE = 0.01  # of a long record: the better the curvature, the fewer passes over all
+_GAIN_ROUNDS, _SAME_GAIN = 3, 2e-4  # no bench repeats better
 _SEARCH_ROWS, _SEARCH_DWELLS = (3_000, 20_000), 600
 
 
@@ -51,9 +54,9 @@ def identify_fast(records: Sequence[Record], options: FastOptions) -> Identifica
         The data cannot carry the model; the message says why.
     """
     started_s = time.perf_counter()
-    data = from_windows(records)
-    part = searched_part(data, _search_rows(data))
-    shape = settle_shape(data, part, options)
+    measured = from_windows(records)
+    data, part, rough = _at_one_gain(measured, options)
+    shape = settle_shape(part, rough, options)
     knots_deg, search = shape.knots_deg, robust_fit(shape.problem(part))
     family = search.problem.family
     share = part.n / data.n
@@ -71,7 +74,7 @@ def identify_fast(records: Sequence[Record], options: FastOptions) -> Identifica
         "points": [curve_intervals(c, r) for c, r in zip(curves, spread.delta, strict=True)],
     }
     found = assemble(
-        data,
+        measured,
         "fast",
         estimate.found.dynamics.linear_part(data.window_s),
         curves,
@@ -83,6 +86,21 @@ def identify_fast(records: Sequence[Record], options: FastOptions) -> Identifica
     )
     warnings = (*found.warnings, *_few_phases(part, knots_deg), *unfollowed(part, search))
     return replace(found, warnings=warnings, fit_s=time.perf_counter() - started_s)
+
+
+def _at_one_gain(measured: Dataset, options: FastOptions) -> tuple[Dataset, Dataset, Projected]:
+    """Return all samples and those to search on without the runs' own gains, and a first fit."""
+    part = searched_part(measured, _search_rows(measured))
+    runs = [s.run for s in part.segments]
+    data, rough = measured, rough_fit(measured, part, options)
+    for _ in range(_GAIN_ROUNDS if len(measured.runs) > 1 else 0):
+        further = run_gains(rough, runs)
+        if np.max(np.abs(further)) < _SAME_GAIN:
+            break
+        # Runs that are far off are outliers at first.
+        data, part = at_one_gain(data, further), at_one_gain(part, further)
+        rough = rough_fit(data, part, options)
+    return data, part, rough
 
 
 def _search_rows(data: Dataset) -> int:

@@ -182,16 +182,32 @@ class Projected:
     def reduced(self) -> tuple[Array, Array]:
         """Return Jacobian and residual of the dynamics, projected off curves and starts.
 
+        Returns
+        -------
+        jacobian, residual
+            As of `off_curves`.
+        """
+        return self.off_curves(self._sensitivities())
+
+    def off_curves(self, slopes: Sequence[Array], *, pulled: bool = True) -> tuple[Array, Array]:
+        """Return derivatives and the residual, projected off curves and starts.
+
         The triangular factor of the curve's regressors projects; what it rounds turns the next
         step a little, and never what the steps come to.
+
+        Parameters
+        ----------
+        slopes
+            Derivatives of each stretch's free run by K parameters, shape (n, K) each.
+        pulled
+            Whether what is known of the curves without data counts.
 
         Returns
         -------
         jacobian, residual
             Of equal height: the triangular factor of both side by side, which is all that the
-            rows say about the dynamics.
+            rows say about the parameters.
         """
-        slopes = self._sensitivities()
         rows = []
         for members, penalty, delta, inverse in zip(
             self._members, self.penalties, self.fit.delta, self._inverses, strict=True
@@ -203,7 +219,8 @@ class Projected:
             for k, own in zip(members, moved, strict=True):
                 residual = self._weighted(k, self.fit.residual_rad_s[k])
                 rows.append(np.column_stack([own - self._matrices[k] @ along, residual]))
-            rows.append(-penalty @ np.column_stack([along, delta]))
+            if pulled:
+                rows.append(-penalty @ np.column_stack([along, delta]))
         factor = triangle(*rows)
         return factor[:, :-1], factor[:, -1]
 

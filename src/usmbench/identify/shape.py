@@ -125,15 +125,15 @@ class Shape:
         return alike.reweighted(bisquare_weights(alike, residual_scales(alike)), priors)
 
 
-def settle_shape(data: Dataset, part: Dataset, options: FastOptions) -> Shape:
-    """Settle what the user left open, on held-out samples.
+def rough_fit(data: Dataset, part: Dataset, options: FastOptions) -> Projected:
+    """Return a first fit, to the knots given or to even ones.
 
     Parameters
     ----------
     data
         All samples.
     part
-        Those to settle it on.
+        Those to fit.
     options
         What is fixed.
 
@@ -143,27 +143,51 @@ def settle_shape(data: Dataset, part: Dataset, options: FastOptions) -> Shape:
         The data cannot carry the model.
     """
     nb = 2 if options.nb is None else options.nb
-    points = range(len(part.points))
-    degrees = [_degrees(part, point, options, nb) for point in points]
-    even = [place_knots(*part.spans_deg[k], min(_FIRST_DEGREE, max(degrees[k]))) for k in points]
+    even = [_even_knots_deg(part, k, options) for k in range(len(part.points))]
     few = thinned(data, part.n // _FEW, _FEW_ROWS)
     family, start = first_dynamics(few, even, options.na, nb, free=options.free)
-    given = options.knots_deg
-    knots_deg = even if given is None else [np.array(given, dtype=np.float64)] * len(points)
+    knots_deg = (
+        even
+        if options.knots_deg is None
+        else [np.array(options.knots_deg, dtype=np.float64)] * len(even)
+    )
     stretches = build_design(part, knots_deg)
-    alike = counted_alike(stretches)
-    rough = Projected(stretches, family, start, alike, soft_priors(part, knots_deg))
-    if given is None:
-        rough = robust_fit(rough).problem
+    alike, priors = counted_alike(stretches), soft_priors(part, knots_deg)
+    return robust_fit(Projected(stretches, family, start, alike, priors)).problem
+
+
+def settle_shape(part: Dataset, rough: Projected, options: FastOptions) -> Shape:
+    """Settle what the user left open, on held-out samples.
+
+    Parameters
+    ----------
+    part
+        The samples to settle it on.
+    rough
+        The first fit to them.
+    options
+        What is fixed.
+
+    Raises
+    ------
+    InputError
+        The data cannot carry the model.
+    """
+    points = range(len(part.points))
     rows = [curve_rows(part, k, rough) for k in points]
-    choices = [
-        _choice(rows[k], options, degrees[k], (knots_deg[k][0], knots_deg[k][-1])) for k in points
-    ]
-    return Shape(rough, given is not None, choices, rows)
+    choices = [_choice(part, k, rows[k], options) for k in points]
+    return Shape(rough, options.knots_deg is not None, choices, rows)
 
 
-def _degrees(data: Dataset, point: int, options: FastOptions, nb: int) -> tuple[int, ...]:
+def _even_knots_deg(data: Dataset, point: int, options: FastOptions) -> Array:
+    """Knots of a first curve."""
+    degree = min(_FIRST_DEGREE, max(_degrees(data, point, options)))
+    return place_knots(*data.spans_deg[point], degree)
+
+
+def _degrees(data: Dataset, point: int, options: FastOptions) -> tuple[int, ...]:
     """Degrees to choose from that the data can carry."""
+    nb = 2 if options.nb is None else options.nb
     if options.knots_deg is not None:
         degrees: tuple[int, ...] = (len(options.knots_deg) - 1,)
     elif options.degree is not None:
@@ -175,15 +199,11 @@ def _degrees(data: Dataset, point: int, options: FastOptions, nb: int) -> tuple[
     return degrees
 
 
-def _choice(
-    rows: CurveRows,
-    options: FastOptions,
-    degrees: Sequence[int],
-    span_deg: tuple[float, float],
-) -> Choice:
+def _choice(data: Dataset, point: int, rows: CurveRows, options: FastOptions) -> Choice:
     """Choose a point's curve, twice: the first choice may say better where it bends."""
     if options.knots_deg is not None:
         return judge_knots(rows, np.array(options.knots_deg, dtype=np.float64))
+    degrees, span_deg = _degrees(data, point, options), data.spans_deg[point]
     middling = min(degrees, key=lambda degree: abs(degree - _MIDDLE_DEGREE))
     bends_deg = bends_of_rows(rows, span_deg)
     first = choose_curve(rows, (middling,), bends_deg, span_deg)

@@ -7,7 +7,7 @@ from benchmarks.plain_motor import Wrong, motor_of, speed_rad_s
 from benchmarks.plain_runs import plan_deg
 from usmbench.identify.dynamics import NONE
 from usmbench.identify.gather import from_windows
-from usmbench.identify.shape import FastOptions, settle_shape
+from usmbench.identify.shape import FastOptions, Shape, rough_fit, settle_shape
 from usmbench.runs.record import Record
 
 
@@ -20,18 +20,22 @@ def _run(kind: str, n: int, window_s: float) -> Record:
     return Record(kind, window_s * np.arange(1.0, n + 1.0), phase_deg, noisy, np.full(n, window_s))
 
 
+def _shape(*runs: Record) -> Shape:
+    data, options = from_windows(runs), FastOptions()
+    return settle_shape(data, rough_fit(data, data, options), options)
+
+
 @pytest.mark.parametrize("beside", [(), ("multisine",), ("multisine", "triangle")])
 def test_dwells_that_settle_choose_the_curve_whatever_else_was_driven(
     beside: tuple[str, ...],
 ) -> None:
-    data = from_windows([_run(kind, 1500, 0.01) for kind in ("staircase", *beside)])
-    assert settle_shape(data, data, FastOptions()).rows[0].dynamics is NONE
+    shape = _shape(*(_run(kind, 1500, 0.01) for kind in ("staircase", *beside)))
+    assert shape.rows[0].dynamics is NONE
 
 
 def test_dwells_too_short_to_settle_choose_nothing() -> None:
     # Only the ends are held twice as long, and settle: two phases say nothing of a curve.
-    data = from_windows([_run("staircase", 8000, 0.0015)])
-    shape = settle_shape(data, data, FastOptions())
+    shape = _shape(_run("staircase", 8000, 0.0015))
     assert shape.rows[0].dynamics is not NONE
     assert shape.choices[0].knots_deg.size > 4
 
@@ -39,8 +43,7 @@ def test_dwells_too_short_to_settle_choose_nothing() -> None:
 def test_a_motor_that_stands_in_noise_stands() -> None:
     # Dwells in the dead zone average to next to nothing, but not to 0.
     run = _run("staircase", 4000, 0.01)
-    data = from_windows([run])
-    standing_deg = settle_shape(data, data, FastOptions()).rows[0].standing_deg
+    standing_deg = _shape(run).rows[0].standing_deg
     assert standing_deg is not None
     phases = np.unique(run.phase_deg)
     edges_deg = motor_of(np.random.default_rng(9)).edges_deg
