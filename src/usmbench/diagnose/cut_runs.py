@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.check_runs import check_enough, check_motors, check_outside, check_run
 from usmbench.diagnose.stretches import Before, Mask, Stretch
-from usmbench.diagnose.tabled_curve import TabledCurve
+from usmbench.diagnose.tabled_curve import NODES_DEG, TabledCurve
 from usmbench.model.effects.base import Context
 from usmbench.model.extended import Applied, extended_run
 from usmbench.model.hammerstein import HammersteinModel
@@ -22,7 +22,6 @@ from usmbench.runs.record import Record
 Array = NDArray[np.float64]
 
 _GAP = 1.5  # a step of the clock beyond so many windows is a break in the record
-_NODES = 16_385
 _LONGEST_START = 50
 _MOST_WINDOWS = 40_000  # more add time and memory, and hardly power
 _BLOCK = 2000
@@ -53,10 +52,9 @@ def cut_runs(
     InputError
         Runs that do not belong to the model, or too short to say anything.
     """
-    nodes_deg = np.linspace(-200.0, 200.0, _NODES)
-    speeds = [point.curve.speed_rad_s(nodes_deg) for point in model.points]
+    speeds = [point.curve.speed_rad_s(NODES_DEG) for point in model.points]
     along = point_slopes(model.points)
-    slopes = None if along is None else [slope.rad_s(nodes_deg) for slope in along]
+    slopes = None if along is None else [slope.rad_s(NODES_DEG) for slope in along]
     stretches: list[Stretch] = []
     warnings: list[str] = []
     check_motors(records)
@@ -72,18 +70,18 @@ def cut_runs(
         check_outside(record, outside, warnings)
         window_s = float(np.median(record.window_s))
         jumps = np.flatnonzero(np.diff(record.t_s) > _GAP * window_s) + 1
-        highest_rad_s = _highest_rad_s(record, weights, nodes_deg, speeds)
+        highest_rad_s = _highest_rad_s(record, weights, speeds)
         for rows in _pieces(record.t_s.size, jumps, keep):
             phase_deg, points = record.phase_deg[rows], tuple(w[rows] for w in weights)
             context = Context(
                 record.t_s[rows],
                 window_s,
                 phase_deg,
-                TabledCurve(nodes_deg, speeds, points, phase_deg),
+                TabledCurve(speeds, points, phase_deg),
                 model.linear,
                 angle_rad[rows],
                 None if record.temperature_c is None else record.temperature_c[rows],
-                None if slopes is None else TabledCurve(nodes_deg, slopes, points, phase_deg),
+                None if slopes is None else TabledCurve(slopes, points, phase_deg),
                 None if record.count_rad is None else record.count_rad / window_s,
             )
             measured_rad_s, use = record.speed_rad_s[rows], ~outside[rows]
@@ -108,12 +106,10 @@ def _pieces(n: int, jumps: NDArray[np.int64], keep: float) -> list[NDArray[np.in
     return pieces
 
 
-def _highest_rad_s(
-    record: Record, weights: Sequence[Array], nodes_deg: Array, speeds: Sequence[Array]
-) -> Array:
+def _highest_rad_s(record: Record, weights: Sequence[Array], speeds: Sequence[Array]) -> Array:
     """Highest speed at each window's operating point, over the phases of the run."""
     top_deg = record.phase_deg[np.argmax(np.abs(record.speed_rad_s))]
-    at_top = [float(np.interp(top_deg, nodes_deg, speed)) for speed in speeds]
+    at_top = [float(np.interp(top_deg, NODES_DEG, speed)) for speed in speeds]
     highest_rad_s: Array = np.abs(at_top @ np.asarray(weights))
     return highest_rad_s
 

@@ -7,30 +7,29 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+_LOW_DEG, _HIGH_DEG, _CELLS = -200.0, 200.0, 16_384
+NODES_DEG: Array = np.linspace(_LOW_DEG, _HIGH_DEG, _CELLS + 1)
+"""Phases at which curves are tabled, evenly spaced, so that none has to be searched for."""
+
 
 class TabledCurve:
     """A static curve row by row, by linear interpolation in a fine table.
 
     Parameters
     ----------
-    phase_deg
-        Nodes, shape (K,).
     speed_rad_s
-        Speeds at the nodes, one array a point.
+        Speeds at `NODES_DEG`, one array a point.
     weights
         Weight of each point on each row, shape (N,) each.
     own_deg
         The rows' own phases, for which the curve is asked over and over, shape (N,).
     """
 
-    def __init__(
-        self,
-        phase_deg: Array,
-        speed_rad_s: Sequence[Array],
-        weights: Sequence[Array],
-        own_deg: Array,
-    ):
-        self._phase_deg, self._speed_rad_s, self._weights = phase_deg, speed_rad_s, weights
+    def __init__(self, speed_rad_s: Sequence[Array], weights: Sequence[Array], own_deg: Array):
+        used = [k for k, w in enumerate(weights) if np.any(w)] or [0]
+        self._table = np.column_stack([speed_rad_s[k] for k in used])
+        self._rise = np.diff(self._table, axis=0)
+        self._weights = np.column_stack([weights[k] for k in used])
         self._own_deg, self._own_rad_s = own_deg, self._looked_up(own_deg)
         self._own_rad_s.flags.writeable = False
 
@@ -45,9 +44,8 @@ class TabledCurve:
         return self._own_rad_s if phase_deg is self._own_deg else self._looked_up(phase_deg)
 
     def _looked_up(self, phase_deg: Array) -> Array:
-        parts = [
-            w * np.interp(phase_deg, self._phase_deg, s)
-            for w, s in zip(self._weights, self._speed_rad_s, strict=True)
-        ]
-        total: Array = sum(parts[1:], parts[0])
+        place = np.clip((phase_deg - _LOW_DEG) * (_CELLS / (_HIGH_DEG - _LOW_DEG)), 0.0, _CELLS)
+        left = np.minimum(place.astype(np.intp), _CELLS - 1)
+        speeds = self._table[left] + (place - left)[:, None] * self._rise[left]
+        total: Array = np.einsum("nk,nk->n", self._weights, speeds)
         return total
