@@ -70,7 +70,7 @@ def cut_runs(
         check_outside(record, outside, warnings)
         window_s = float(np.median(record.window_s))
         jumps = np.flatnonzero(np.diff(record.t_s) > _GAP * window_s) + 1
-        highest_rad_s = _highest_rad_s(record, weights, speeds)
+        so_far = _sums_so_far(record, weights, speeds)
         for rows in _pieces(record.t_s.size, jumps, keep):
             phase_deg, points = record.phase_deg[rows], tuple(w[rows] for w in weights)
             context = Context(
@@ -85,7 +85,7 @@ def cut_runs(
                 None if record.count_rad is None else record.count_rad / window_s,
             )
             measured_rad_s, use = record.speed_rad_s[rows], ~outside[rows]
-            before = _before(record.speed_rad_s[: rows[0]], highest_rad_s[: rows[0]])
+            before = Before(int(rows[0]), *so_far[rows[0]].tolist())
             at = (points, places_among(model.points, points), before)
             stretches.append(_stretch(run, record.name, context, measured_rad_s, effects, use, at))
     check_enough(records, sum(int(np.count_nonzero(s.use)) for s in stretches))
@@ -106,18 +106,14 @@ def _pieces(n: int, jumps: NDArray[np.int64], keep: float) -> list[NDArray[np.in
     return pieces
 
 
-def _highest_rad_s(record: Record, weights: Sequence[Array], speeds: Sequence[Array]) -> Array:
-    """Highest speed at each window's operating point, over the phases of the run."""
-    top_deg = record.phase_deg[np.argmax(np.abs(record.speed_rad_s))]
-    at_top = [float(np.interp(top_deg, NODES_DEG, speed)) for speed in speeds]
-    highest_rad_s: Array = np.abs(at_top @ np.asarray(weights))
-    return highest_rad_s
-
-
-def _before(speed_rad_s: Array, highest_rad_s: Array) -> Before:
-    """Return what windows add up to."""
-    sums = (np.sum(np.abs(speed_rad_s)), np.sum(speed_rad_s**2), np.sum(highest_rad_s**2))
-    return Before(speed_rad_s.size, *(float(total) for total in sums))
+def _sums_so_far(record: Record, weights: Sequence[Array], speeds: Sequence[Array]) -> Array:
+    """Add up the windows before each row, in the order of `Before`, shape (N, 3)."""
+    first, last = np.searchsorted(NODES_DEG, (record.phase_deg.min(), record.phase_deg.max()))
+    tops = [float(np.max(np.abs(speed[first : last + 1]))) for speed in speeds]
+    size = np.abs(record.speed_rad_s)
+    each = np.column_stack((size, size**2, (tops @ np.asarray(weights)) ** 2))
+    sums: Array = np.cumsum(each, axis=0) - each
+    return sums
 
 
 def _stretch(
