@@ -26,7 +26,7 @@ LEAST = (3e-4, 5e-5, 3e-6, 2e-4, 2e-4)  # repeatability that one run cannot show
 ANY = (0.05, 0.01, 1e-4, 0.02, 0.02)  # any run may be off by this while the wander is learnt
 # Shares by which a run may warm otherwise than is known, since it starts at another temperature,
 # and by which a habit may be stronger: where the runs do not show it, and the least that they show.
-_WARMS, _WARMS_ALIKE = 0.25, 0.05  # not every plan is among them
+_WARMS, _WARMS_ALIKE = 0.25, 0.02  # not every plan is among them
 _STRONGER, _AS_STRONG = 0.1, 0.02
 _BEST_GAIN = 2e-4  # no bench repeats better than that
 _RESONANCE = 3e-6  # by which a fifth of a kelvin moves it: no bench starts warmer by less
