@@ -15,7 +15,7 @@ from usmbench.identify.projected import Projected
 from usmbench.identify.residual_tests import residual_tests
 from usmbench.identify.result import Identification, assemble
 from usmbench.identify.robust import robust_fit
-from usmbench.identify.run_gains import at_one_gain, run_gains
+from usmbench.identify.run_gains import at_one_gain, far_off, run_gains
 from usmbench.identify.shape import FastOptions, rough_fit, settle_shape
 from usmbench.identify.thinning import searched_part
 from usmbench.identify.torque_limit import limited_fit
@@ -84,23 +84,26 @@ def identify_fast(records: Sequence[Record], options: FastOptions) -> Identifica
             estimate.linearised, estimate.found.parameters.size, spread.noise_coefficients
         ),
     )
-    warnings = (*found.warnings, *_few_phases(part, knots_deg), *unfollowed(part, search))
+    warnings = (*data.warnings, *_few_phases(part, knots_deg), *unfollowed(part, search))
     return replace(found, warnings=warnings, fit_s=time.perf_counter() - started_s)
 
 
 def _at_one_gain(measured: Dataset, options: FastOptions) -> tuple[Dataset, Dataset, Projected]:
     """Return all samples and those to search on without the runs' own gains, and a first fit."""
-    part = searched_part(measured, _search_rows(measured))
-    runs = [s.run for s in part.segments]
-    data, rough = measured, rough_fit(measured, part, options)
-    for _ in range(_GAIN_ROUNDS if len(measured.runs) > 1 else 0):
+    some = searched_part(measured, _search_rows(measured))
+    data, part, rough = measured, some, rough_fit(measured, some, options)
+    runs = [s.run for s in some.segments]
+    gains = np.zeros(1 + max(runs))
+    for _ in range(_GAIN_ROUNDS if gains.size > 1 else 0):
         further = run_gains(rough, runs)
         if np.max(np.abs(further)) < _SAME_GAIN:
             break
         # Runs that are far off are outliers at first.
-        data, part = at_one_gain(data, further), at_one_gain(part, further)
+        gains = (1.0 + gains) * (1.0 + further) - 1.0
+        data, part = at_one_gain(measured, gains), at_one_gain(some, gains)
         rough = rough_fit(data, part, options)
-    return data, part, rough
+    warnings = (*data.warnings, *far_off(data.runs, gains))
+    return replace(data, warnings=warnings), part, rough
 
 
 def _search_rows(data: Dataset) -> int:

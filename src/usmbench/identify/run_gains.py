@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh, helmert
 
-from usmbench.identify.data import Dataset
+from usmbench.identify.data import Dataset, FittedRun
 from usmbench.identify.projected import Projected
 from usmbench.identify.row_weights import times
 from usmbench.identify.triangle import triangle
@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 
 _TOLD = 0.01  # share of a run's rows that others have to share
 _NOTHING = 1e-12  # (rad/s)²: of runs in which nothing turns
+_MOST = 0.2  # beyond it a run is not that of another day
+_FAR = 0.05  # that a user has to hear of
 
 
 def run_gains(problem: Projected, runs: Sequence[int]) -> Array:
@@ -49,8 +51,8 @@ def run_gains(problem: Projected, runs: Sequence[int]) -> Array:
     # Ways in which gains differ, and the share of each that no curve can follow.
     told, ways = eigh(jacobian.T @ jacobian, power)
     share = np.where(told > _TOLD, 1.0 / np.maximum(told, _TOLD), 0.0)
-    gains: Array = apart.T @ (ways @ (share * (ways.T @ (jacobian.T @ residual))))
-    return gains
+    gains = apart.T @ (ways @ (share * (ways.T @ (jacobian.T @ residual))))
+    return np.clip(gains, -_MOST, _MOST)
 
 
 def at_one_gain(data: Dataset, gains: Array) -> Dataset:
@@ -65,3 +67,21 @@ def at_one_gain(data: Dataset, gains: Array) -> Dataset:
     """
     segments = [replace(s, speed_rad_s=s.speed_rad_s / (1.0 + gains[s.run])) for s in data.segments]
     return replace(data, segments=tuple(segments))
+
+
+def far_off(runs: Sequence[FittedRun], gains: Array) -> list[str]:
+    """Warn of runs that are faster or slower than another day makes them.
+
+    Parameters
+    ----------
+    runs
+        The runs.
+    gains
+        As `run_gains` returns them.
+    """
+    return [
+        f"{run.name}: {100.0 * abs(gain):.0f} % {'faster' if gain > 0.0 else 'slower'} than the "
+        "runs on average; is it the same motor, supply and load?"
+        for run, gain in zip(runs, gains.tolist(), strict=False)
+        if abs(gain) > _FAR
+    ]
