@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from usmbench.diagnose.basis import Basis
 from usmbench.diagnose.found import Found, verdict_on
@@ -16,12 +17,14 @@ from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.refining import refine_widely
 from usmbench.diagnose.remainder import LOUD
 from usmbench.diagnose.robust import huber_weights
-from usmbench.diagnose.spikes import isolated, off_steps, spiked, steady
+from usmbench.diagnose.spikes import exceptions, off_steps, spiked, steady
 from usmbench.diagnose.stepwise import Named, name_causes, noise_spread
 from usmbench.diagnose.stretches import Mask, Stretch
 from usmbench.diagnose.views import omnibus
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
+
+Array = NDArray[np.float64]
 
 
 def search(
@@ -46,7 +49,8 @@ def search(
     residuals = [s.residual_rad_s for s in stretches]
     uses = [s.use for s in stretches]
     noise = known.noise or _white(estimate_noise(stretches, residuals, uses))
-    masks = _without(stretches, spiked(stretches, residuals, noise, near_steps=False))
+    far = spiked(stretches, residuals, noise, near_steps=False)
+    masks = _without(stretches, residuals, far)
     problem = Problem(stretches, known, noise, masks, own)
     ranked = rank(problem, effects, 1.0)
     best: tuple[Applied, ...] = ()
@@ -60,7 +64,7 @@ def search(
         (r, spiked(stretches, r, noise, near_steps=True)) for r in (problem.residual_rad_s, left)
     ]
     fewest = min(tried, key=lambda pair: sum(map(np.count_nonzero, pair[1])))
-    masks = _without(stretches, off_steps(stretches, *fewest))
+    masks = _without(stretches, fewest[0], off_steps(stretches, *fewest))
     problem = problem.weighed(noise, masks)
     problem = problem.weighed(noise, masks, huber_weights(problem, left))
     basis = omnibus(problem)["all"]
@@ -93,13 +97,20 @@ def _white(noise: Noise) -> Noise:
     return replace(noise, ar=np.empty(0), innovation=1.0)
 
 
-def _without(stretches: Sequence[Stretch], far: Sequence[Mask]) -> list[Mask]:
-    """Rows to judge without those that stand alone, unless these are too many to be exceptions."""
+def _without(
+    stretches: Sequence[Stretch], residuals: Sequence[Array], far: Sequence[Mask]
+) -> list[Mask]:
+    """Rows to judge without those that stand alone, unless more than chance sets these apart."""
     calm = [steady(s) for s in stretches]
-    alone = np.concatenate([f[c] for c, f in zip(calm, far, strict=True)])
-    speed_rad_s = np.concatenate(
-        [s.simulated_rad_s[c] for c, s in zip(calm, stretches, strict=True)]
+    alone, off, speed, phase = (
+        np.concatenate([column[c] for column, c in zip(columns, calm, strict=True)])
+        for columns in (
+            far,
+            residuals,
+            [s.simulated_rad_s for s in stretches],
+            [s.context.phase_deg for s in stretches],
+        )
     )
-    if not isolated(alone, speed_rad_s):
+    if not exceptions(alone, off, speed, phase):
         return [s.use for s in stretches]
     return [s.use & ~f for s, f in zip(stretches, far, strict=True)]

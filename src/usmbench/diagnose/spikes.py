@@ -84,20 +84,28 @@ def count_steady(stretches: Sequence[Stretch], far: Sequence[Mask]) -> tuple[int
     return hit, sum(int(np.count_nonzero(r)) for r in rows)
 
 
-def isolated(alone: Mask, speed_rad_s: Array) -> bool:
-    """Return whether the windows that stand alone are exceptions, at every speed.
+def exceptions(alone: Mask, off_rad_s: Array, speed_rad_s: Array, phase_deg: Array) -> bool:
+    """Return whether nothing but chance decides which windows stand alone.
+
+    They are few at every speed, and those at like phases are not off as they are.
 
     Parameters
     ----------
     alone
         Which windows do, shape (N,).
+    off_rad_s
+        By what each window is off, shape (N,).
     speed_rad_s
         Simulated speed, shape (N,).
+    phase_deg
+        Phase, shape (N,).
     """
     if np.mean(alone) > _MOST_ALONE:
         return False
     parts = np.array_split(alone[np.argsort(np.abs(speed_rad_s), kind="stable")], _PARTS)
-    return max(float(np.mean(part)) for part in parts if part.size) <= _MOST_IN_PART
+    if max(float(np.mean(part)) for part in parts if part.size) > _MOST_IN_PART:
+        return False
+    return not hang_together(off_rad_s, alone, np.argsort(phase_deg, kind="stable"))
 
 
 def off_steps(

@@ -15,8 +15,7 @@ from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.spikes import (
     PLAIN,
     apart,
-    hang_together,
-    isolated,
+    exceptions,
     off_steps,
     spiked,
     steady,
@@ -85,7 +84,7 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
     phase_deg = np.concatenate([s.context.phase_deg for s in problem.stretches])[rows]
     if places.size < _FEWEST or p_value > SIGNIFICANT:
         return None
-    if _no_chance(windows, off_rad_s, phase_deg):
+    if not exceptions(windows.alone, off_rad_s, windows.speed_rad_s, phase_deg):
         return None
     kinds = [effect for effect in library() if isinstance(effect, SporadicEffect)]
     weighed = [(effect, effect.weigh(windows)) for effect in kinds]
@@ -157,13 +156,6 @@ def _p_value(windows: LoneWindows, spikes_hz: float) -> float:
     if count < usual:
         return 1.0
     return float(poisson.sf(count - 1, usual)) if usual > 0.0 else 0.0
-
-
-def _no_chance(windows: LoneWindows, off_rad_s: Array, phase_deg: Array) -> bool:
-    """Whether windows stand alone where something else than chance decides."""
-    by_phase = np.argsort(phase_deg, kind="stable")
-    alone = windows.alone
-    return not isolated(alone, windows.speed_rad_s) or hang_together(off_rad_s, alone, by_phase)
 
 
 def _alone(

@@ -58,6 +58,23 @@ def test_false_counts_beside_a_delay_are_exceptions(model: HammersteinModel) -> 
     assert not _judged(found, false).any()
 
 
+@pytest.mark.parametrize("count_rad_s", [0.31, 0.8])
+def test_counts_lost_where_the_motor_seldom_gets_are_no_exceptions(
+    model: HammersteinModel, count_rad_s: float
+) -> None:
+    # A few windows in a thousand, each off by some counts: alone among all, not among their like.
+    rng = np.random.default_rng(33)
+    phase_deg = np.repeat(rng.uniform(-70.0, 70.0, 500), 4)
+    fast = np.concatenate([np.arange(at, at + 6) for at in (300, 900, 1100, 1700)])
+    phase_deg[fast] = np.where(fast < 1000, 88.0, -88.0)
+    record = driven(phase_deg, 33)
+    lost_rad_s = count_rad_s * rng.integers(1, 6, fast.size)
+    record.speed_rad_s[fast] -= lost_rad_s * np.sign(phase_deg[fast])
+    found = _searched(record, model)
+    assert _names(found) == {"missed_counts"}
+    assert _judged(found, fast).all()
+
+
 @pytest.mark.parametrize("slip_limit_rad_s", [None, 3.0])
 def test_what_a_faster_run_shows_of_an_effect_is_not_the_size_of_its_cause(
     model: HammersteinModel, slip_limit_rad_s: float | None
