@@ -22,6 +22,7 @@ _MOST_LEFT = 0.4  # as a share; what verdict() calls partly explained ends there
 _GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by a tenth
 _TRIFLE = 0.01  # of what there was: what a form of an effect may be off by
 _SCATTER = 0.5  # of what is left: the rest is smooth
+_NO_CHANCE = 1e-6  # family-wise, for a warning
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,6 +118,30 @@ def verdict_on(found: Found, sporadic: Sporadic | None) -> Verdict:
     if sporadic is not None and sporadic.deviance > found.before.excess:
         return "explained" if found.before.p_value > PLAINLY else "partly_explained"
     return _on_nothing_named(found)
+
+
+def left_aside(found: Found) -> list[str]:
+    """Say what is beyond chance in one part of the runs only, where nothing is named.
+
+    Parameters
+    ----------
+    found
+        What the search came to.
+
+    Returns
+    -------
+    list of str
+        One warning, or none.
+    """
+    habits = {habit["name"] for habit in found.problem.known.habits}
+    best = found.ranked[0] if found.ranked else None
+    if best is None or best.p_value >= _NO_CHANCE or best.effect.name in habits:
+        return []
+    return [
+        f"{best.effect.name} explains more than chance leaves (p = {best.p_value:.0e}), but not in "
+        "parts of the runs that its fit has not seen, so it is no name; drive the plan again, or "
+        "one that repeats its passes"
+    ]
 
 
 def _on_nothing_named(found: Found) -> Verdict:

@@ -10,7 +10,7 @@ from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.detectable import smallest_sizes
 from usmbench.diagnose.evidence import Candidate, Estimate, NamedCause
 from usmbench.diagnose.fitting import NOTHING, Fit
-from usmbench.diagnose.found import Found, verdict_on
+from usmbench.diagnose.found import Found, left_aside, verdict_on
 from usmbench.diagnose.gain import Gain, held_out_gain
 from usmbench.diagnose.intervals import intervals
 from usmbench.diagnose.knowledge import knowledge_of
@@ -117,6 +117,8 @@ def _report(
     sporadic = sporadic if stands else None
     if sporadic is None:
         warnings += tuple(left_unnamed(problem, fit.effects, found.spread))
+    if says == "no_discrepancy":
+        warnings += tuple(left_aside(found))
     effects = (*fit.effects, *(() if sporadic is None else (sporadic.applied,)))
     extended = replace(
         model, effects=(*model.effects, *(applied.to_mapping() for applied in effects))

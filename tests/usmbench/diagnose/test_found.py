@@ -6,7 +6,7 @@ import pytest
 from known_motor import NOISE_RAD_S, applied, driven, identified
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.fitting import Fit
-from usmbench.diagnose.found import Found, verdict_on
+from usmbench.diagnose.found import Found, left_aside, verdict_on
 from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.naming import Ranked, Whole
 from usmbench.diagnose.problem import Problem
@@ -87,3 +87,18 @@ def test_what_has_no_name_counts_window_by_window(share: float, verdict: str) ->
     found = Whole(share * problem.n_rows, 0.0, problem.n_rows)
     fit = Fit((), 0.0, 0.0)
     assert verdict_on(Found(problem, 1.0, [], [], fit, found, found), None) == verdict
+
+
+@pytest.mark.parametrize(("p_value", "warns"), [(1e-9, True), (1e-3, False)])
+def test_what_is_beyond_chance_in_one_place_is_said(p_value: float, warns: bool) -> None:
+    problem = _judged(1.0)
+    weight = applied("load_torque", "weight", one_sided_rad_s=0.1)
+    ranked = [Ranked(weight.effect, Fit((weight,), 60.0, 0.0), 60.0, p_value, 50.0)]
+    quiet = Whole(0.0, 1.0, problem.n_rows)
+    found = Found(problem, 1.0, ranked, [], Fit((), 0.0, 0.0), quiet, quiet)
+    assert verdict_on(found, None) == "no_discrepancy"
+    warnings = left_aside(found)
+    assert len(warnings) == warns
+    assert all(
+        w.startswith("load_torque explains") and "drive the plan again" in w for w in warnings
+    )
