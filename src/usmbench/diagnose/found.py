@@ -133,14 +133,13 @@ def left_aside(found: Found) -> list[str]:
     list of str
         One warning, or none.
     """
-    habits = {habit["name"] for habit in found.problem.known.habits}
-    best = found.ranked[0] if found.ranked else None
-    if best is None or best.p_value >= _NO_CHANCE or best.effect.name in habits:
+    best = found.ranked[0]
+    if best.p_value >= _NO_CHANCE or best.effect.name in found.problem.known.habit_names:
         return []
     return [
-        f"{best.effect.name} explains more than chance leaves (p = {best.p_value:.0e}), but not in "
-        "parts of the runs that its fit has not seen, so it is no name; drive the plan again, or "
-        "one that repeats its passes"
+        f"{best.effect.name} explains more than chance leaves, but not in parts of the runs that "
+        "its fit has not seen, so it is no name; drive the plan again, or one that repeats its "
+        "passes"
     ]
 
 

@@ -72,6 +72,11 @@ class Knowledge:
     habits: tuple[dict[str, Any], ...] = ()
 
     @property
+    def habit_names(self) -> frozenset[str]:
+        """Names of the causes that healthy runs show anyhow."""
+        return frozenset(habit["name"] for habit in self.habits)
+
+    @property
     def nothing(self) -> "Knowledge":
         """The same noise, and no shape that the model is known to leave."""
         return replace(self, mean=np.zeros_like(self.mean), root=np.zeros_like(self.root))

@@ -17,7 +17,7 @@ from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.refining import refine_widely
 from usmbench.diagnose.remainder import LOUD
 from usmbench.diagnose.robust import huber_weights
-from usmbench.diagnose.spikes import exceptions, off_steps, spiked, steady
+from usmbench.diagnose.spikes import are_exceptions, off_steps, spiked, steady
 from usmbench.diagnose.stepwise import Named, name_causes, noise_spread
 from usmbench.diagnose.stretches import Mask, Stretch
 from usmbench.diagnose.views import omnibus
@@ -101,16 +101,6 @@ def _without(
     stretches: Sequence[Stretch], residuals: Sequence[Array], far: Sequence[Mask]
 ) -> list[Mask]:
     """Rows to judge without those that stand alone, unless more than chance sets these apart."""
-    calm = [steady(s) for s in stretches]
-    alone, off, speed, phase = (
-        np.concatenate([column[c] for column, c in zip(columns, calm, strict=True)])
-        for columns in (
-            far,
-            residuals,
-            [s.simulated_rad_s for s in stretches],
-            [s.context.phase_deg for s in stretches],
-        )
-    )
-    if not exceptions(alone, off, speed, phase):
+    if not are_exceptions(stretches, residuals, far, [steady(s) for s in stretches]):
         return [s.use for s in stretches]
     return [s.use & ~f for s, f in zip(stretches, far, strict=True)]

@@ -1,6 +1,7 @@
 """Isolated windows far from their neighbours: miscounts, and rows that must not sway a fit."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -84,28 +85,42 @@ def count_steady(stretches: Sequence[Stretch], far: Sequence[Mask]) -> tuple[int
     return hit, sum(int(np.count_nonzero(r)) for r in rows)
 
 
-def exceptions(alone: Mask, off_rad_s: Array, speed_rad_s: Array, phase_deg: Array) -> bool:
-    """Return whether nothing but chance decides which windows stand alone.
+def are_exceptions(
+    stretches: Sequence[Stretch],
+    residuals: Sequence[Array],
+    alone: Sequence[Mask],
+    calm: Sequence[Mask],
+) -> bool:
+    """Return whether nothing but chance decides which calm windows stand alone.
 
     They are few at every speed, and those at like phases are not off as they are.
 
     Parameters
     ----------
+    stretches
+        The stretches.
+    residuals
+        Residual of each, in rad/s, shape (N,).
     alone
-        Which windows do, shape (N,).
-    off_rad_s
-        By what each window is off, shape (N,).
-    speed_rad_s
-        Simulated speed, shape (N,).
-    phase_deg
-        Phase, shape (N,).
+        The windows of each that stand alone, shape (N,).
+    calm
+        Rows of each to look at, shape (N,).
     """
-    if np.mean(alone) > _MOST_ALONE:
+    far, off, speed, phase = (
+        _joined(columns, calm)
+        for columns in (
+            alone,
+            residuals,
+            [np.abs(s.simulated_rad_s) for s in stretches],
+            [s.context.phase_deg for s in stretches],
+        )
+    )
+    if np.mean(far) > _MOST_ALONE:
         return False
-    parts = np.array_split(alone[np.argsort(np.abs(speed_rad_s), kind="stable")], _PARTS)
+    parts = np.array_split(far[np.argsort(speed, kind="stable")], _PARTS)
     if max(float(np.mean(part)) for part in parts if part.size) > _MOST_IN_PART:
         return False
-    return not hang_together(off_rad_s, alone, np.argsort(phase_deg, kind="stable"))
+    return not hang_together(off, far, np.argsort(phase, kind="stable"))
 
 
 def off_steps(
@@ -126,7 +141,7 @@ def off_steps(
     """
     after = [s.use & (s.lag < LAGS) for s in stretches]
     off, far, lag, step = (
-        np.concatenate([column[a] for column, a in zip(columns, after, strict=True)])
+        _joined(columns, after)
         for columns in (
             residuals,
             alone,
@@ -137,6 +152,11 @@ def off_steps(
     if not hang_together(off, far, np.lexsort((step, lag))):
         return list(alone)
     return [mask & ~a for mask, a in zip(alone, after, strict=True)]
+
+
+def _joined(columns: Sequence[NDArray[Any]], rows: Sequence[Mask]) -> NDArray[Any]:
+    """Return some rows of every stretch, end to end, shape (sum of rows,)."""
+    return np.concatenate([column[r] for column, r in zip(columns, rows, strict=True)])
 
 
 def hang_together(off_rad_s: Array, alone: Mask, order: NDArray[np.intp]) -> bool:

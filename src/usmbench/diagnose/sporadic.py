@@ -15,7 +15,7 @@ from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.spikes import (
     PLAIN,
     apart,
-    exceptions,
+    are_exceptions,
     off_steps,
     spiked,
     steady,
@@ -69,7 +69,8 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
     spread
         Standard deviation of the whitened noise: in one that has grown, no window stands alone.
     """
-    left, rows = problem.left_rad_s(effects), np.concatenate(_calm(problem, effects))
+    left, calm = problem.left_rad_s(effects), _calm(problem, effects)
+    rows = np.concatenate(calm)
     far = _alone(problem, left, effects, spread)
     off_rad_s = np.concatenate(list(left))[rows]
     # A counter's steps leave every window of a hold off by the same part of a count.
@@ -81,10 +82,9 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
     )
     places = np.unique(np.concatenate([s.jump for s in problem.stretches])[rows][windows.alone])
     p_value = _p_value(windows, problem.known.spikes_hz)
-    phase_deg = np.concatenate([s.context.phase_deg for s in problem.stretches])[rows]
     if places.size < _FEWEST or p_value > SIGNIFICANT:
         return None
-    if not exceptions(windows.alone, off_rad_s, windows.speed_rad_s, phase_deg):
+    if not are_exceptions(problem.stretches, left, far, calm):
         return None
     kinds = [effect for effect in library() if isinstance(effect, SporadicEffect)]
     weighed = [(effect, effect.weigh(windows)) for effect in kinds]

@@ -143,7 +143,7 @@ def _news(problem: Problem, ranked: list[Ranked], spread: float) -> list[Ranked]
     Where that leads, another cause counts only if it brings something beside it: else it is the
     same, seen through another cause.
     """
-    habits = {habit["name"] for habit in problem.known.habits}
+    habits = problem.known.habit_names
     usual = [r for r in ranked if r.effect.name in habits and r.p_value >= _UNUSUAL]
     rest = [r for r in ranked if r not in usual]
     if not rest or ranked[0] not in usual:

@@ -35,6 +35,7 @@ Array = NDArray[np.float64]
 
 _SEARCH_SHARE = 0.01  # of a long record: the better the curvature, the fewer passes over all
 _GAIN_ROUNDS, _SAME_GAIN = 3, 2e-4  # no bench repeats better
+_MOST_GAIN = 0.2  # beyond it a run is not that of another day
 _SEARCH_ROWS, _SEARCH_DWELLS = (3_000, 20_000), 600
 
 
@@ -100,6 +101,7 @@ def _at_one_gain(measured: Dataset, options: FastOptions) -> tuple[Dataset, Data
             break
         # Runs that are far off are outliers at first.
         gains = (1.0 + gains) * (1.0 + further) - 1.0
+        gains = np.clip(gains, -_MOST_GAIN, _MOST_GAIN)
         data, part = at_one_gain(measured, gains), at_one_gain(some, gains)
         rough = rough_fit(data, part, options)
     warnings = (*data.warnings, *far_off(data.runs, gains))

@@ -20,7 +20,6 @@ Array = NDArray[np.float64]
 
 _TOLD = 0.01  # share of a run's rows that others have to share
 _NOTHING = 1e-12  # (rad/s)²: of runs in which nothing turns
-_MOST = 0.2  # beyond it a run is not that of another day
 _FAR = 0.05  # that a user has to hear of
 
 
@@ -36,6 +35,11 @@ def run_gains(problem: Projected, runs: Sequence[int]) -> Array:
         A fit to all runs.
     runs
         Run of each of its stretches.
+
+    Returns
+    -------
+    Array
+        As shares, adding up to 0, shape (R,) up to the last run that has a stretch.
     """
     n_runs = 1 + max(runs)
     apart = helmert(n_runs)  # the mean belongs to the curves
@@ -51,8 +55,8 @@ def run_gains(problem: Projected, runs: Sequence[int]) -> Array:
     # Ways in which gains differ, and the share of each that no curve can follow.
     told, ways = eigh(jacobian.T @ jacobian, power)
     share = np.where(told > _TOLD, 1.0 / np.maximum(told, _TOLD), 0.0)
-    gains = apart.T @ (ways @ (share * (ways.T @ (jacobian.T @ residual))))
-    return np.clip(gains, -_MOST, _MOST)
+    gains: Array = apart.T @ (ways @ (share * (ways.T @ (jacobian.T @ residual))))
+    return gains
 
 
 def at_one_gain(data: Dataset, gains: Array) -> Dataset:

@@ -61,6 +61,16 @@ class FastOptions:
         """Whether the user asks for other orders than those of a lag with a dead time."""
         return self.na != 1 or self.nb is not None
 
+    @property
+    def n_inputs(self) -> int:
+        """Past inputs, as asked for or as a lag with a dead time has them."""
+        return 2 if self.nb is None else self.nb
+
+    @property
+    def given_deg(self) -> Array | None:
+        """The knots given, shape (d + 1,)."""
+        return None if self.knots_deg is None else np.array(self.knots_deg, dtype=np.float64)
+
 
 @dataclass(frozen=True, slots=True)
 class Shape:
@@ -142,15 +152,10 @@ def rough_fit(data: Dataset, part: Dataset, options: FastOptions) -> Projected:
     InputError
         The data cannot carry the model.
     """
-    nb = 2 if options.nb is None else options.nb
     even = [_even_knots_deg(part, k, options) for k in range(len(part.points))]
     few = thinned(data, part.n // _FEW, _FEW_ROWS)
-    family, start = first_dynamics(few, even, options.na, nb, free=options.free)
-    knots_deg = (
-        even
-        if options.knots_deg is None
-        else [np.array(options.knots_deg, dtype=np.float64)] * len(even)
-    )
+    family, start = first_dynamics(few, even, options.na, options.n_inputs, free=options.free)
+    knots_deg = even if options.given_deg is None else [options.given_deg] * len(even)
     stretches = build_design(part, knots_deg)
     alike, priors = counted_alike(stretches), soft_priors(part, knots_deg)
     return robust_fit(Projected(stretches, family, start, alike, priors)).problem
@@ -164,14 +169,9 @@ def settle_shape(part: Dataset, rough: Projected, options: FastOptions) -> Shape
     part
         The samples to settle it on.
     rough
-        The first fit to them.
+        The first fit to them, which has refused those that cannot carry the model.
     options
         What is fixed.
-
-    Raises
-    ------
-    InputError
-        The data cannot carry the model.
     """
     points = range(len(part.points))
     rows = [curve_rows(part, k, rough) for k in points]
@@ -187,7 +187,6 @@ def _even_knots_deg(data: Dataset, point: int, options: FastOptions) -> Array:
 
 def _degrees(data: Dataset, point: int, options: FastOptions) -> tuple[int, ...]:
     """Degrees to choose from that the data can carry."""
-    nb = 2 if options.nb is None else options.nb
     if options.knots_deg is not None:
         degrees: tuple[int, ...] = (len(options.knots_deg) - 1,)
     elif options.degree is not None:
@@ -195,14 +194,14 @@ def _degrees(data: Dataset, point: int, options: FastOptions) -> tuple[int, ...]
     else:
         phases = np.unique(data.phase_deg(point)).size
         degrees = tuple(d for d in DEGREES if d < max(phases, _ALWAYS))
-    check_rows(data, min(degrees), options.na, nb, point=point)
+    check_rows(data, min(degrees), options.na, options.n_inputs, point=point)
     return degrees
 
 
 def _choice(data: Dataset, point: int, rows: CurveRows, options: FastOptions) -> Choice:
     """Choose a point's curve, twice: the first choice may say better where it bends."""
-    if options.knots_deg is not None:
-        return judge_knots(rows, np.array(options.knots_deg, dtype=np.float64))
+    if options.given_deg is not None:
+        return judge_knots(rows, options.given_deg)
     degrees, span_deg = _degrees(data, point, options), data.spans_deg[point]
     middling = min(degrees, key=lambda degree: abs(degree - _MIDDLE_DEGREE))
     bends_deg = bends_of_rows(rows, span_deg)

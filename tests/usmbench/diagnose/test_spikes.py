@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.noise import KINDS, LAGS, Noise
-from usmbench.diagnose.spikes import exceptions, off_steps, spiked, steady
+from usmbench.diagnose.spikes import are_exceptions, off_steps, spiked, steady
 from usmbench.diagnose.stretches import Stretch
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
@@ -83,17 +83,19 @@ def test_what_every_step_leaves_is_no_exception(reversing: Stretch, by_chance: b
 
 @pytest.mark.parametrize(
     ("alike", "share", "chance"),
-    [(0.0, 0.01, True), (1.0, 0.01, False), (0.0, 0.2, False)],
+    [(False, 0.01, True), (True, 0.01, False), (False, 0.2, False)],
 )
 def test_exceptions_are_few_and_not_off_as_others_at_like_phases(
-    alike: float, share: float, chance: bool
+    alike: bool, share: float, chance: bool
 ) -> None:
-    rng = np.random.default_rng(3)
-    phase_deg = rng.uniform(-90.0, 90.0, 4000)
-    here = np.argsort(phase_deg)[-int(share * 4000) :]
-    there = rng.choice(4000, here.size, replace=False)
-    struck = here if alike else there
-    off_rad_s, alone = rng.normal(0.0, NOISE_RAD_S, 4000), np.zeros(4000, dtype=np.bool_)
+    rng, n = np.random.default_rng(3), 4000
+    phase_deg, t_s = rng.uniform(-90.0, 90.0, n), WINDOW_S * np.arange(1.0, n + 1.0)
+    record = Record("random", t_s, phase_deg, np.zeros(n), np.full(n, WINDOW_S))
+    (stretch,), _ = cut_runs([record], MODEL, ())
+    struck = np.argsort(phase_deg)[-int(share * n) :]
+    if not alike:
+        struck = rng.choice(n, struck.size, replace=False)
+    off_rad_s, alone = rng.normal(0.0, NOISE_RAD_S, n), np.zeros(n, dtype=np.bool_)
     off_rad_s[struck] -= 1.0
     alone[struck] = True
-    assert exceptions(alone, off_rad_s, 10.0 * np.sin(np.radians(phase_deg)), phase_deg) == chance
+    assert are_exceptions([stretch], [off_rad_s], [alone], [stretch.use]) == chance
