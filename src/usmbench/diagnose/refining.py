@@ -26,9 +26,9 @@ def refine(problem: Problem, fit: Fit) -> Fit:
     joint = Joint(problem, fit.effects)
     theta = joint.start
     here = joint.left(theta)
-    dev, damping = float(here @ here), 1e-3
+    dev, damping, jacobian = float(here @ here), 1e-3, None
     for _ in range(_STEPS if theta.size else 0):
-        jacobian = joint.jacobian(theta)
+        jacobian = joint.jacobian(theta) if jacobian is None else jacobian
         normal, slope = jacobian.T @ jacobian, jacobian.T @ here
         scale = np.diag(np.maximum(np.diag(normal), 1e-12))
         moved = joint.clipped(theta - np.linalg.solve(normal + damping * scale, slope))
@@ -39,7 +39,7 @@ def refine(problem: Problem, fit: Fit) -> Fit:
             if damping > 1e4:
                 break
             continue
-        gained, dev, theta, here = dev - new, new, moved, there
+        gained, dev, theta, here, jacobian = dev - new, new, moved, there, None
         damping = max(damping / 10.0, 1e-9)
         if gained < _TOLERANCE:
             break
