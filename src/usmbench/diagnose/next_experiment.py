@@ -122,10 +122,8 @@ def propose(
     if question is None or where is None:
         return None
     design = _Design(question, records, model)
-    before = _odds(design.margin(None))
-    if None not in question.rivals:
-        # These runs did not tell them apart, whatever the simulation promised: a guess is left.
-        before = min(before, 1.0 / len(question.rivals))
+    # These runs did not decide it, whatever the simulation promises: at most a guess is left.
+    before = min(_odds(design.margin(None)), 1.0 / len(question.rivals))
     # A model is surest of phases that are held: of restless commands its runs taught it little.
     best, margin = _best(design, [e for e in menu(where) if e.hold_windows >= _HELD_WINDOWS])
     if _odds(margin) < _ENOUGH:

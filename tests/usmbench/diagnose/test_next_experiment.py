@@ -130,8 +130,10 @@ def test_an_effect_too_small_to_name_gets_a_plan_that_shows_it(
         if proposal is not None:
             assert "transport delay and nothing of the kind" in proposal["says"]
             gained.append(proposal["odds_after"] - proposal["odds_before"])
-    # The smallest show under no plan, the largest show already.
+    # The smallest show under no plan; the largest did not show, though the model says they would.
     assert max(gained) > 0.25
+    assert proposal is not None
+    assert proposal["odds_before"] == 0.5
     faint = replace(found, candidates=(replace(hint, p_value=0.7),))
     assert propose(faint, [healthy], model) is None
 
