@@ -65,8 +65,8 @@ GRID = applied("phase_quantisation", "rounded", step_deg=3.0)
         (LATE, 0.85, 0.0005, False),
         (LEANS, 0.85, 0.005, False),
         (LEANS, 0.1, 0.02, True),
-        (GRID, 0.95, 0.005, False),
-        (GRID, 0.95, 0.02, True),
+        (GRID, 0.95, 0.0005, False),
+        (GRID, 0.95, 0.005, True),
     ],
     ids=[
         "another",
@@ -146,7 +146,7 @@ def test_beside_a_grid_a_cause_that_takes_all_the_views_show_needs_no_more(
     monkeypatch.setattr(
         "usmbench.diagnose.worth.whole_test", lambda *_: Whole(next(excess), 0.0, 2000)
     )
-    first = First(2e5)
+    first = First(2e6)
     assert worth_a_name(problem, before, longer, np.array(EVERYWHERE), first, 1.0) == worth
 
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+from usmbench.model.effects.base import DEFINITION, Array, Context, Effect, Parameter, Values
 
 _MEANING = "The generator sets the phase on a coarse grid instead of where it is commanded."
 _MEND = "Read the generator's phase register back, and check how many of its bits are written."
@@ -42,6 +42,7 @@ class RoundedPhase(Effect):
     meaning = _MEANING
     mend = _MEND
     stage = "command"
+    form_off = DEFINITION
     jagged = True
     early = True  # in the register: what shifts the drive voltages does so behind it
     parameters = (Parameter("step_deg", "deg", 0.0, 0.0, _COARSEST_DEG, 1.0, scanned=True),)
