@@ -1,12 +1,13 @@
 """The search for causes: rank them, settle the noise, name what earns its place."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.basis import Basis
+from usmbench.diagnose.chance import chancy_of
 from usmbench.diagnose.found import Found, verdict_on
 from usmbench.diagnose.knowledge import Knowledge
 from usmbench.diagnose.naming import SIGNIFICANT, Ranked, doubted_test, rank, whole_test
@@ -25,6 +26,8 @@ from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
 
 Array = NDArray[np.float64]
+
+_MOSTLY = 0.9
 
 
 def search(
@@ -65,31 +68,87 @@ def search(
     ]
     fewest = min(tried, key=lambda pair: sum(map(np.count_nonzero, pair[1])))
     masks = _without(stretches, fewest[0], off_steps(stretches, *fewest))
-    problem = problem.weighed(noise, masks)
-    problem = problem.weighed(noise, masks, huber_weights(problem, left))
-    basis = omnibus(problem)["all"]
-    spread = noise_spread(problem, basis, best)
-    ranked = rank(problem, effects, spread)
-    named = name_causes(problem, ranked, effects, spread)
-    found = _found(problem, basis, ranked, named)
-    unclear = verdict_on(found, None) == "unexplained" or found.spread > LOUD
+    weighed = _Weighed.of(problem.weighed(noise, masks), left, best, effects)
+    named = name_causes(weighed.problem, weighed.ranked, effects, weighed.spread)
+    found = weighed.found(named)
+    unclear = _unclear(found)
+    if unclear and _mostly_left_out(found):
+        struck = _struck_by_chance(problem.weighed(noise, uses), left, best, effects)
+        if struck is not None:
+            return struck
     if not (unclear or (len(named.rankings) == 1 and named.leaves_a_cause)):
         return found
-    pair = hidden_pair(problem, ranked, effects, spread, None if unclear else named)
+    pair = hidden_pair(
+        weighed.problem, weighed.ranked, effects, weighed.spread, None if unclear else named
+    )
     if pair is None:
         return found
-    both = _found(problem, basis, ranked, pair)
+    both = weighed.found(pair)
     stands = verdict_on(both, None) == "explained" and both.spread <= found.spread
     return both if stands else found
 
 
-def _found(problem: Problem, basis: Basis, ranked: list[Ranked], named: Named) -> Found:
-    """Return what names come to."""
-    effects, before = named.fit.effects, whole_test(problem, basis, (), named.spread)
-    if not effects:
-        return Found(problem, named.spread, ranked, [], named.fit, before, before)
-    after = doubted_test(named.problem, effects, named.spread)
-    return Found(named.problem, named.spread, ranked, named.rankings, named.fit, before, after)
+@dataclass(frozen=True, slots=True)
+class _Weighed:
+    """Every cause alone, in a problem whose noise is settled."""
+
+    problem: Problem
+    basis: Basis
+    spread: float
+    ranked: list[Ranked]
+
+    @classmethod
+    def of(
+        cls,
+        problem: Problem,
+        left: Sequence[Array],
+        best: Sequence[Applied],
+        effects: Sequence[Effect],
+    ) -> "_Weighed":
+        """Weigh them, less the rows that are far out where the best one is taken out."""
+        problem = problem.weighed(problem.noise, problem.masks, huber_weights(problem, left))
+        basis = omnibus(problem)["all"]
+        spread = noise_spread(problem, basis, best)
+        return cls(problem, basis, spread, rank(problem, effects, spread))
+
+    def found(self, named: Named) -> Found:
+        """Return what names come to."""
+        before = whole_test(self.problem, self.basis, (), named.spread)
+        if not named.fit.effects:
+            return Found(self.problem, named.spread, self.ranked, [], named.fit, before, before)
+        after = doubted_test(named.problem, named.fit.effects, named.spread)
+        ranked, names = self.ranked, named.rankings
+        return Found(named.problem, named.spread, ranked, names, named.fit, before, after)
+
+
+def _struck_by_chance(
+    problem: Problem, left: Sequence[Array], best: Sequence[Applied], effects: Sequence[Effect]
+) -> Found | None:
+    """Name causes with the windows that stand alone, if one of them strikes by chance, or none.
+
+    A counter that loses counts in some windows may do so beside another cause.
+    """
+    weighed = _Weighed.of(problem, left, best, effects)
+    named = name_causes(weighed.problem, weighed.ranked, effects, weighed.spread)
+    if not chancy_of(named.fit.effects):
+        return None
+    found = weighed.found(named)
+    return None if _unclear(found) else found
+
+
+def _mostly_left_out(found: Found) -> bool:
+    """Whether most of what is unexplained is in windows that stand alone, and were left out."""
+    problem, out = found.problem, 0.0
+    for stretch, mask, left in zip(problem.stretches, problem.masks, found.left_rad_s, strict=True):
+        far = (left / problem.noise.level_rad_s(stretch))[stretch.use & ~mask]
+        out += float(far @ far)
+    judged = max(found.beyond_noise - found.explained, 0.0)
+    return out > _MOSTLY * (out + judged)
+
+
+def _unclear(found: Found) -> bool:
+    """Whether something is wrong that the names do not explain."""
+    return verdict_on(found, None) == "unexplained" or found.spread > LOUD
 
 
 def _white(noise: Noise) -> Noise:

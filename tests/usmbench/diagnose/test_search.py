@@ -105,3 +105,23 @@ def test_a_contact_that_has_worn_is_found_beside_lost_counts(model: HammersteinM
     found = _searched(replace(record, speed_rad_s=counted), model)
     assert _names(found) == {"missed_counts", "speed_scale"}
     assert found.fit.effects[1].values["scale_error"] == pytest.approx(0.012, abs=0.004)
+
+
+def test_lost_counts_are_found_beside_another_cause_where_most_were_left_out(
+    model: HammersteinModel,
+) -> None:
+    # Most windows with lost counts stand alone; six in a row do not, and nothing explains them.
+    rng = np.random.default_rng(34)
+    held_deg = rng.uniform(-75.0, 75.0, 250)
+    held_deg[5::10] = 88.0 * (-1.0) ** np.arange(25)
+    phase_deg = np.repeat(held_deg, 8)
+    record = driven(phase_deg, 34, applied("phase_offset", "", offset_deg=0.15))
+    top = np.abs(phase_deg) == 88.0
+    lost = top & (rng.uniform(size=top.size) < 0.2)
+    n_lost = np.where(lost, rng.integers(1, 6, top.size), 0)
+    n_lost[np.flatnonzero(top)[17:23]] = 5
+    count_rad_s = 2.0 * np.pi / 2000.0 / WINDOW_S
+    counted = record.speed_rad_s - np.sign(record.speed_rad_s) * n_lost * count_rad_s
+    found = _searched(replace(record, speed_rad_s=counted), model)
+    assert _names(found) == {"missed_counts", "phase_offset"}
+    assert _judged(found, np.flatnonzero(n_lost)).all()
