@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from scipy.stats import chi2
 
+from usmbench.model.effects.base import Parameter
 from usmbench.model.extended import Applied
 
 
@@ -28,10 +29,9 @@ class Fit:
     roughness: float
 
     @property
-    def free(self) -> int:
-        """Degrees of freedom of the statistic at one point of the scan."""
-        sized = [p for a in self.effects for p in a.effect.parameters if not p.scanned]
-        return max(len(sized), 1)
+    def sized(self) -> list[Parameter]:
+        """Parameters that size the effects."""
+        return [p for a in self.effects for p in a.effect.parameters if not p.scanned]
 
     @property
     def p_value(self) -> float:
@@ -39,11 +39,14 @@ class Fit:
 
         For a scanned parameter, Davies' bound on the supremum of a chi process (1987,
         doi:10.1093/biomet/74.1.33): the tail at one point, plus the variation times
-        ``exp(−u/2)/π``.
+        ``exp(−u/2)/π``. Of an effect with one size and one sign chance takes the wrong one half of
+        the time (Chernoff 1954, doi:10.1214/aoms/1177728725).
         """
-        u = max(self.statistic, 0.0)
-        tail = float(chi2.sf(u, self.free)) + self.roughness * math.exp(-0.5 * u) / math.pi
-        return min(tail, 1.0)
+        u, sized = max(self.statistic, 0.0), self.sized
+        tail = float(chi2.sf(u, max(len(sized), 1)))
+        tail += self.roughness * math.exp(-0.5 * u) / math.pi
+        sides = 0.5 if u > 0.0 and len(sized) == 1 and sized[0].one_way else 1.0
+        return min(sides * tail, 1.0)
 
 
 NOTHING = Fit((), 0.0, 0.0)

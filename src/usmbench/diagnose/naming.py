@@ -88,20 +88,20 @@ def rank(
     found = []
     for fit in fits:
         effect = fit.effects[-1].effect
-        statistic = max(fit.statistic, 0.0) / spread**2
-        alone = Fit(fit.effects[-1:], statistic, fit.roughness)
-        p_value = min(1.0, alone.p_value * len(effects))
-        score = statistic - _price(effect, price)
+        statistic, misfit = max(fit.statistic, 0.0) / spread**2, 0.0
         if effect.by_chance and not scatters(problem, fit.effects):
-            # Whatever explains about as much goes first.
-            score -= max(_MISFIT, telling_deviance(statistic))
+            # Whatever explains about as much goes first, and chance, too.
+            misfit = max(_MISFIT, telling_deviance(statistic))
+        alone = Fit(fit.effects[-1:], statistic - misfit, fit.roughness)
+        p_value = min(1.0, alone.p_value * len(effects))
+        score = statistic - misfit - _price(effect, price)
         found.append(Ranked(effect, fit, statistic, p_value, score))
     return sorted(found, key=lambda r: -r.score)
 
 
 def _price(effect: Effect, each: float) -> float:
     """Price of an effect's parameters in deviance."""
-    one_way = sum(p.null in (p.low, p.high) for p in effect.parameters if not p.scanned)
+    one_way = sum(p.one_way for p in effect.parameters)
     return max(len(effect.parameters), 1) * each - one_way * _ONE_WAY
 
 
@@ -119,6 +119,8 @@ def telling_deviance(evidence: float) -> float:
 def alternatives(ranked: Sequence[Ranked]) -> tuple[str, ...]:
     """Return the other causes that explain about as much as the best.
 
+    What explains no more than chance lets the best of a whole library is none of them.
+
     Parameters
     ----------
     ranked
@@ -126,7 +128,8 @@ def alternatives(ranked: Sequence[Ranked]) -> tuple[str, ...]:
     """
     best = ranked[0]
     near = telling_deviance(best.statistic)
-    names = [r.effect.name for r in ranked[1:] if best.score - r.score < near]
+    rivals = [r for r in ranked[1:] if r.p_value < 1.0]
+    names = [r.effect.name for r in rivals if best.score - r.score < near]
     return tuple(dict.fromkeys(n for n in names if n != best.effect.name))
 
 

@@ -79,7 +79,7 @@ def name_causes(
     """
     found, here = Named(problem, [], NOTHING, spread), _news(problem, ranked, spread)
     while here and len(found.rankings) < _MOST_CAUSES:
-        if here[0].p_value >= CLEAR or here[0].score <= 0.0 or undecided(here):
+        if here[0].p_value >= CLEAR or undecided(here):
             break
         before = found.rankings
         if len(before) == 1:

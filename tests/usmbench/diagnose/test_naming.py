@@ -3,7 +3,7 @@
 import pytest
 
 from usmbench.diagnose.fitting import NOTHING
-from usmbench.diagnose.naming import Ranked, Whole, undecided, verdict
+from usmbench.diagnose.naming import Ranked, Whole, alternatives, undecided, verdict
 from usmbench.diagnose.result import Verdict
 from usmbench.model.effects.registry import library
 
@@ -34,3 +34,17 @@ def test_a_cause_that_any_other_may_stand_for_is_none(leads_by: float, tells: bo
         for effect, score in zip(causes.values(), scores, strict=True)
     ]
     assert undecided(ranked) != tells
+
+
+def test_what_explains_no_more_than_chance_is_no_alternative() -> None:
+    causes = {effect.name: effect for effect in library()}
+    first, second, third = list(causes.values())[:3]
+    ranked = [
+        Ranked(effect, NOTHING, statistic, p_value, statistic - 7.6)
+        for effect, statistic, p_value in (
+            (first, 13.0, 0.01),
+            (second, 8.0, 0.15),
+            (third, 0.3, 1.0),
+        )
+    ]
+    assert alternatives(ranked) == (second.name,)

@@ -65,6 +65,11 @@ class Parameter:
     typical: float
     scanned: bool = False
 
+    @property
+    def one_way(self) -> bool:
+        """Whether it sizes an effect that has one sign."""
+        return not self.scanned and self.null in (self.low, self.high)
+
 
 @dataclass(frozen=True, slots=True)
 class Context:
