@@ -7,11 +7,12 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.chance import chancy_of, leaves_scatter
 from usmbench.diagnose.fitting import Fit
-from usmbench.diagnose.naming import PLAINLY, Ranked, Whole, verdict
+from usmbench.diagnose.naming import Ranked
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.remainder import LOUD
 from usmbench.diagnose.result import Verdict
 from usmbench.diagnose.sporadic import Sporadic
+from usmbench.diagnose.whole import PLAINLY, Whole, verdict
 
 Array = NDArray[np.float64]
 

@@ -4,22 +4,15 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from scipy.stats import chi2
-
-from usmbench.diagnose.basis import Basis
 from usmbench.diagnose.chance import scatters
 from usmbench.diagnose.fitting import Fit
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.refining import refine
-from usmbench.diagnose.result import Verdict
 from usmbench.diagnose.scanning import fit_effect, sharpen
-from usmbench.diagnose.views import omnibus
 from usmbench.model.effects.base import Effect
-from usmbench.model.extended import Applied
 
 SIGNIFICANT = 0.01  # of what is weighed further, and of single windows
 CLEAR = 0.05  # family-wise, for a name
-PLAINLY = 1e-3  # that the views together show something
 _REFINED = 8
 _SAME = 0.5
 TELLING = 9.2  # deviance between two causes that data can tell: 99 % of chi-squared with two
@@ -30,9 +23,6 @@ _SIMILAR = 0.15
 _MISFIT, _OFF = 50.0, 0.03
 _MOST_ALTERNATIVES = 5  # a name with more of them tells nothing
 _ONE_WAY = 2.0 * math.log(2.0)  # a parameter with one sign is given half the room beforehand
-_MATERIAL = 0.1  # of the noise's mean square
-_LEFT_EXPLAINED = 0.08
-_LEFT_PARTLY = 0.4
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,9 +38,10 @@ class Ranked:
     statistic
         Drop of the deviance that the last effect brings, over the noise's spread.
     p_value
-        Family-wise probability of it where nothing is wrong.
+        Family-wise probability of it where nothing is wrong; of a cause by chance whose scatter is
+        not there, of what is beyond a misfit.
     score
-        Statistic less the price of its parameters, and of a scatter that is not there.
+        Statistic less the price of its parameters, and of such a misfit.
     """
 
     effect: Effect
@@ -166,79 +157,3 @@ def same_shape(ranked: Sequence[Ranked]) -> set[str]:
     """
     best = ranked[0]
     return {r.effect.name for r in ranked if abs(r.statistic - best.statistic) < _SAME}
-
-
-@dataclass(frozen=True, slots=True)
-class Whole:
-    """The test over all views of what a residual holds.
-
-    Parameters
-    ----------
-    excess
-        Square of the residual's part in the views, beyond what noise leaves there.
-    p_value
-        Probability of as much where nothing is wrong.
-    n_rows
-        Rows that it was taken over.
-    """
-
-    excess: float
-    p_value: float
-    n_rows: int
-
-    @property
-    def material(self) -> bool:
-        """Whether there is more than a trifle."""
-        return self.p_value < PLAINLY and self.excess > _MATERIAL * self.n_rows
-
-
-def whole_test(problem: Problem, basis: Basis, effects: Sequence[Applied], spread: float) -> Whole:
-    """Test a residual against all views together.
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    basis
-        Directions to look in.
-    effects
-        The effects to take out first.
-    spread
-        Standard deviation of the whitened noise.
-    """
-    rank_ = basis.vectors.shape[1]
-    square = basis.square(problem.left(effects)) / spread**2
-    excess, p_value = max(square - rank_, 0.0), float(chi2.sf(square, rank_))
-    return Whole(excess, p_value, problem.n_rows)
-
-
-def doubted_test(problem: Problem, effects: Sequence[Applied], spread: float) -> Whole:
-    """Test what effects leave against all views together, where their form may be off.
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    effects
-        The effects to take out first.
-    spread
-        Standard deviation of the whitened noise.
-    """
-    doubting = problem.doubting(effects)
-    return whole_test(doubting, omnibus(doubting)["all"], effects, spread)
-
-
-def verdict(before: Whole, after: Whole, statistic: float) -> Verdict:
-    """Return the verdict on named causes.
-
-    Parameters
-    ----------
-    before, after
-        The test over all views without and with the causes.
-    statistic
-        Drop of the deviance that they bring.
-    """
-    share = after.excess / max(before.excess, statistic, 1e-12)
-    if after.p_value > PLAINLY or share < _LEFT_EXPLAINED:
-        return "explained"
-    return "unexplained" if share > _LEFT_PARTLY and after.material else "partly_explained"

@@ -14,20 +14,13 @@ import numpy as np
 
 from usmbench.diagnose.fitting import NOTHING, Fit
 from usmbench.diagnose.gain import held_out_drop
-from usmbench.diagnose.naming import (
-    CLEAR,
-    Ranked,
-    alternatives,
-    doubted_test,
-    rank,
-    verdict,
-    whole_test,
-)
+from usmbench.diagnose.naming import CLEAR, Ranked, alternatives, rank
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.refining import refine, refine_widely
 from usmbench.diagnose.scanning import fit_effect, sharpen
 from usmbench.diagnose.stepwise import Named, settled
 from usmbench.diagnose.views import omnibus
+from usmbench.diagnose.whole import doubted_test, verdict, whole_test
 from usmbench.diagnose.worth import First, earns_its_place, worth_a_name
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied

@@ -10,7 +10,7 @@ from usmbench.diagnose.basis import Basis
 from usmbench.diagnose.chance import chancy_of
 from usmbench.diagnose.found import Found, verdict_on
 from usmbench.diagnose.knowledge import Knowledge
-from usmbench.diagnose.naming import SIGNIFICANT, Ranked, doubted_test, rank, whole_test
+from usmbench.diagnose.naming import SIGNIFICANT, Ranked, rank
 from usmbench.diagnose.noise import Noise
 from usmbench.diagnose.noise_estimate import estimate_noise
 from usmbench.diagnose.pairs import hidden_pair
@@ -22,12 +22,13 @@ from usmbench.diagnose.spikes import are_exceptions, off_steps, spiked, steady
 from usmbench.diagnose.stepwise import Named, name_causes, noise_spread
 from usmbench.diagnose.stretches import Mask, Stretch
 from usmbench.diagnose.views import omnibus
+from usmbench.diagnose.whole import doubted_test, whole_test
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
 
 Array = NDArray[np.float64]
 
-_MOSTLY = 0.9
+_MOSTLY = 0.9  # of what is unexplained
 
 
 def search(
@@ -49,6 +50,30 @@ def search(
     effects
         Causes to weigh, none of them sporadic.
     """
+    problem, left, best = _settled(stretches, known, own, effects)
+    weighed = _Weighed.of(problem, left, best, effects)
+    named = name_causes(weighed.problem, weighed.ranked, effects, weighed.spread)
+    found = weighed.found(named)
+    unclear = _unclear(found)
+    if unclear and _mostly_left_out(found):
+        every = problem.with_masks([s.use for s in stretches])
+        struck = _struck_by_chance(every, left, best, effects)
+        if struck is not None:
+            return struck
+    if unclear:
+        return _with_a_pair(weighed, None, found, effects)
+    if len(named.rankings) == 1 and named.leaves_a_cause:
+        return _with_a_pair(weighed, named, found, effects)
+    return found
+
+
+def _settled(
+    stretches: Sequence[Stretch],
+    known: Knowledge,
+    own: Sequence[Applied],
+    effects: Sequence[Effect],
+) -> tuple[Problem, list[Array], tuple[Applied, ...]]:
+    """Settle the noise and the rows to judge; return also what the best cause leaves, and it."""
     residuals = [s.residual_rad_s for s in stretches]
     uses = [s.use for s in stretches]
     noise = known.noise or _white(estimate_noise(stretches, residuals, uses))
@@ -68,24 +93,7 @@ def search(
     ]
     fewest = min(tried, key=lambda pair: sum(map(np.count_nonzero, pair[1])))
     masks = _without(stretches, fewest[0], off_steps(stretches, *fewest))
-    weighed = _Weighed.of(problem.weighed(noise, masks), left, best, effects)
-    named = name_causes(weighed.problem, weighed.ranked, effects, weighed.spread)
-    found = weighed.found(named)
-    unclear = _unclear(found)
-    if unclear and _mostly_left_out(found):
-        struck = _struck_by_chance(problem.weighed(noise, uses), left, best, effects)
-        if struck is not None:
-            return struck
-    if not (unclear or (len(named.rankings) == 1 and named.leaves_a_cause)):
-        return found
-    pair = hidden_pair(
-        weighed.problem, weighed.ranked, effects, weighed.spread, None if unclear else named
-    )
-    if pair is None:
-        return found
-    both = weighed.found(pair)
-    stands = verdict_on(both, None) == "explained" and both.spread <= found.spread
-    return both if stands else found
+    return problem.weighed(noise, masks), left, best
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,6 +142,18 @@ def _struck_by_chance(
         return None
     found = weighed.found(named)
     return None if _unclear(found) else found
+
+
+def _with_a_pair(
+    weighed: _Weighed, named: Named | None, found: Found, effects: Sequence[Effect]
+) -> Found:
+    """Name two causes at once instead, if they explain all."""
+    pair = hidden_pair(weighed.problem, weighed.ranked, effects, weighed.spread, named)
+    if pair is None:
+        return found
+    both = weighed.found(pair)
+    stands = verdict_on(both, None) == "explained" and both.spread <= found.spread
+    return both if stands else found
 
 
 def _mostly_left_out(found: Found) -> bool:

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.fitting import Fit
-from usmbench.diagnose.naming import whole_test
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.refining import refine_widely
 from usmbench.diagnose.views import omnibus
+from usmbench.diagnose.whole import whole_test
 from usmbench.model.effects.base import PHYSICS
 from usmbench.model.extended import Applied
 

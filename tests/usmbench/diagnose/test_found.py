@@ -8,8 +8,9 @@ from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.fitting import Fit
 from usmbench.diagnose.found import Found, left_aside, verdict_on
 from usmbench.diagnose.knowledge import knowledge_of
-from usmbench.diagnose.naming import Ranked, Whole
+from usmbench.diagnose.naming import Ranked
 from usmbench.diagnose.problem import Problem
+from usmbench.diagnose.whole import Whole
 
 
 def _judged(spread: float) -> Problem:

@@ -7,8 +7,8 @@ from known_motor import applied, driven, identified
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.fitting import NOTHING, Fit
 from usmbench.diagnose.knowledge import knowledge_of
-from usmbench.diagnose.naming import Whole
 from usmbench.diagnose.problem import Problem
+from usmbench.diagnose.whole import Whole
 from usmbench.diagnose.worth import First, worth_a_name
 from usmbench.model.extended import Applied
 
