@@ -97,12 +97,11 @@ def learn(
     for s, mask, shape, departed in zip(stretches, masks, shapes, own, strict=True):
         at = prior.size + n_own * s.run + np.arange(n_own)
         shown[np.arange(n_own), at] |= np.any(departed != 0.0, axis=0)
+        both, places = np.column_stack((shape * prior, departed)), np.r_[: prior.size, at]
         white = whitening(noise, s)[mask]
-        columns = np.asarray(white @ np.column_stack((shape * prior, departed)))
-        error = np.asarray(white @ s.residual_rad_s)
-        alone = np.arange(mask.size) // _BLOCK % _FOLDS
-        fold = alone[mask] if n_runs == 1 else np.full(error.size, s.run)
-        parts.append(_Part(columns, error, fold, np.concatenate((np.arange(prior.size), at))))
+        columns, error = (np.asarray(white @ part) for part in (both, s.residual_rad_s))
+        fold = _block_of(mask) if n_runs == 1 else np.full(error.size, s.run)
+        parts.append(_Part(columns, error, fold, places))
     # What all runs have in common belongs to the model's error, which the shapes carry.
     common = _TIED * shown
     ties = np.eye(size) + common.T @ common
@@ -128,6 +127,12 @@ def learn(
         left.reshape(runs.shape * 2),
         toward.reshape(runs.shape),
     )
+
+
+def _block_of(mask: Mask) -> NDArray[np.intp]:
+    """Fold of each row that counts, of a run that is alone: blocks take turns, shape (rows,)."""
+    block: NDArray[np.intp] = np.arange(mask.size)[mask] // _BLOCK % _FOLDS
+    return block
 
 
 def _far_shares(parts: Sequence[_Part], theta: Array) -> Iterator[Array]:
