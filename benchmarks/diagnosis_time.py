@@ -76,8 +76,9 @@ def main(argv: list[str] | None = None) -> int:
     for n_windows in [2000] if arguments.small else arguments.windows:
         plain = motor(limited=arguments.limited)
         model = identified(plain) if arguments.identified else plain
-        unnamed = arguments.unnamed
-        record = humming(run(n_windows, plain, 0.0)) if unnamed else run(n_windows, plain)
+        record = run(n_windows, plain)
+        if arguments.unnamed:
+            record = humming(run(n_windows, plain, asymmetry=0.0))
         wall_s, cpu_s = time.monotonic(), time.process_time()
         found = diagnose([record], model)
         cpu_s, wall_s = time.process_time() - cpu_s, time.monotonic() - wall_s

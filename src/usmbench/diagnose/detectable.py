@@ -4,15 +4,18 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import chi2, norm
+from scipy.optimize import brentq
+from scipy.stats import norm
 
 from usmbench.diagnose.evidence import Detectable
+from usmbench.diagnose.fitting import Fit
 from usmbench.diagnose.naming import CLEAR
 from usmbench.diagnose.problem import Problem
 from usmbench.model.effects.base import Effect, Parameter
 from usmbench.model.extended import Applied
 
 _POWER = 0.9
+_MOST = 1e3  # deviance that no chance reaches
 _DOUBLINGS = 14
 
 
@@ -30,17 +33,23 @@ def smallest_sizes(
     spread
         Standard deviation of the whitened noise.
     """
-    threshold = float(chi2.isf(CLEAR / max(len(effects), 1), 1))
-    wanted = (math.sqrt(threshold) + float(norm.ppf(_POWER))) ** 2 * spread**2
     found: dict[str, Detectable] = {}
     for effect in effects:
         if effect.sporadic or not effect.parameters or effect.name in found:
             continue
         sized = next((p for p in effect.parameters if not p.scanned), effect.parameters[0])
+        threshold = _threshold(effect, CLEAR / len(effects))
+        wanted = (math.sqrt(threshold) + float(norm.ppf(_POWER))) ** 2 * spread**2
         value = _size(problem, effect, sized, wanted)
         if value is not None:
             found[effect.name] = Detectable(effect.name, sized.name, value, sized.unit)
     return tuple(found.values())
+
+
+def _threshold(effect: Effect, p_value: float) -> float:
+    """Statistic at which an effect alone has a probability, at one point of its scan."""
+    applied = (Applied(effect, {}),)
+    return float(brentq(lambda u: Fit(applied, u, 0.0).p_value - p_value, 0.0, _MOST))
 
 
 def _size(problem: Problem, effect: Effect, sized: Parameter, wanted: float) -> float | None:

@@ -92,19 +92,8 @@ def learn(
     prior, n_own = features.prior, own[0].shape[1]
     n_runs = 1 + max(s.run for s in stretches)
     size = prior.size + n_own * n_runs
-    shown = np.zeros((n_own, size), dtype=np.bool_)
-    parts = []
-    for s, mask, shape, departed in zip(stretches, masks, shapes, own, strict=True):
-        at = prior.size + n_own * s.run + np.arange(n_own)
-        shown[np.arange(n_own), at] |= np.any(departed != 0.0, axis=0)
-        both, places = np.column_stack((shape * prior, departed)), np.r_[: prior.size, at]
-        white = whitening(noise, s)[mask]
-        columns, error = (np.asarray(white @ part) for part in (both, s.residual_rad_s))
-        fold = _block_of(mask) if n_runs == 1 else np.full(error.size, s.run)
-        parts.append(_Part(columns, error, fold, places))
-    # What all runs have in common belongs to the model's error, which the shapes carry.
-    common = _TIED * shown
-    ties = np.eye(size) + common.T @ common
+    parts = _whitened(stretches, shapes, own, prior, noise, masks)
+    ties = _ties(stretches, own, prior.size)
     theta = np.zeros(size)
     n_folds = n_runs if n_runs > 1 else _FOLDS
     whole = _moments(parts, (np.ones(p.error.size) for p in parts), size, n_folds)
@@ -127,6 +116,38 @@ def learn(
         left.reshape(runs.shape * 2),
         toward.reshape(runs.shape),
     )
+
+
+def _whitened(
+    stretches: Sequence[Stretch],
+    shapes: Sequence[Array],
+    own: Sequence[Array],
+    prior: Array,
+    noise: Noise,
+    masks: Sequence[Mask],
+) -> list[_Part]:
+    """Whiten shapes and what is a run's own, and say which coefficients they have."""
+    n_shapes, n_own, lone = prior.size, own[0].shape[1], all(s.run == 0 for s in stretches)
+    parts = []
+    for s, shape, departed, mask in zip(stretches, shapes, own, masks, strict=True):
+        white, both = whitening(noise, s)[mask], np.column_stack((shape * prior, departed))
+        columns, error = (np.asarray(white @ part) for part in (both, s.residual_rad_s))
+        fold = _block_of(mask) if lone else np.full(error.size, s.run)
+        at = np.r_[:n_shapes, n_shapes + n_own * s.run + np.arange(n_own)]
+        parts.append(_Part(columns, error, fold, at))
+    return parts
+
+
+def _ties(stretches: Sequence[Stretch], own: Sequence[Array], n_shapes: int) -> Array:
+    """Priors of all coefficients.
+
+    What all runs have in common belongs to the model's error, which the shapes carry.
+    """
+    moves = np.zeros((1 + max(s.run for s in stretches), own[0].shape[1]))
+    for s, departed in zip(stretches, own, strict=True):
+        moves[s.run] = np.maximum(moves[s.run], np.any(departed != 0.0, axis=0))
+    common = _TIED * np.hstack([np.zeros((moves.shape[1], n_shapes)), *map(np.diag, moves)])
+    return np.asarray(np.eye(common.shape[1]) + common.T @ common)
 
 
 def _block_of(mask: Mask) -> NDArray[np.intp]:

@@ -50,10 +50,9 @@ def search(
     effects
         Causes to weigh, none of them sporadic.
     """
-    problem, left, best = _settled(stretches, known, own, effects)
+    problem, left, best = _with_its_noise(stretches, known, own, effects)
     weighed = _Weighed.of(problem, left, best, effects)
-    named = name_causes(weighed.problem, weighed.ranked, effects, weighed.spread)
-    found = weighed.found(named)
+    named, found = weighed.one_by_one(effects)
     unclear = _unclear(found)
     if unclear and _mostly_left_out(found):
         every = problem.with_masks([s.use for s in stretches])
@@ -67,7 +66,7 @@ def search(
     return found
 
 
-def _settled(
+def _with_its_noise(
     stretches: Sequence[Stretch],
     known: Knowledge,
     own: Sequence[Applied],
@@ -119,6 +118,11 @@ class _Weighed:
         spread = noise_spread(problem, basis, best)
         return cls(problem, basis, spread, rank(problem, effects, spread))
 
+    def one_by_one(self, effects: Sequence[Effect]) -> tuple[Named, Found]:
+        """Name causes while each earns its place, and return what they come to."""
+        named = name_causes(self.problem, self.ranked, effects, self.spread)
+        return named, self.found(named)
+
     def found(self, named: Named) -> Found:
         """Return what names come to."""
         before = whole_test(self.problem, self.basis, (), named.spread)
@@ -136,12 +140,8 @@ def _struck_by_chance(
 
     A counter that loses counts in some windows may do so beside another cause.
     """
-    weighed = _Weighed.of(problem, left, best, effects)
-    named = name_causes(weighed.problem, weighed.ranked, effects, weighed.spread)
-    if not chancy_of(named.fit.effects):
-        return None
-    found = weighed.found(named)
-    return None if _unclear(found) else found
+    _, found = _Weighed.of(problem, left, best, effects).one_by_one(effects)
+    return found if chancy_of(found.fit.effects) and not _unclear(found) else None
 
 
 def _with_a_pair(
@@ -161,7 +161,7 @@ def _mostly_left_out(found: Found) -> bool:
     problem, out = found.problem, 0.0
     for stretch, mask, left in zip(problem.stretches, problem.masks, found.left_rad_s, strict=True):
         far = (left / problem.noise.level_rad_s(stretch))[stretch.use & ~mask]
-        out += float(far @ far)
+        out += float(far @ far) / found.spread**2
     judged = max(found.beyond_noise - found.explained, 0.0)
     return out > _MOSTLY * (out + judged)
 
