@@ -15,6 +15,7 @@ Kept = NDArray[np.bool_]
 _BLOCKS, _BLOCK_ROWS = 20, 1500
 _PARTS, _FEWEST = 60, 8  # of the range of phases; rows in each, where the record has as many
 _AROUND_ROWS = 25  # kept before and after a row that is wanted
+_AT_ONCE = 100_000  # rows
 
 
 def searched_part(data: Dataset, most_rows: int) -> Dataset:
@@ -69,20 +70,30 @@ def _blocks(data: Dataset, most_rows: int, block_rows: int) -> list[Kept]:
     return marked
 
 
-def _add_rare(segments: list[Segment], kept: list[Kept]) -> None:
+def _add_rare(segments: Sequence[Segment], kept: Sequence[Kept]) -> None:
     """Mark rows at the phases of which too few are marked yet, in place."""
-    phase_deg, marked = np.concatenate([s.phase_deg for s in segments]), np.concatenate(kept)
-    edges_deg = np.linspace(phase_deg.min(), phase_deg.max(), _PARTS + 1)[1:-1]
-    part = np.searchsorted(edges_deg, phase_deg)
+    ends_deg = [(s.phase_deg.min(), s.phase_deg.max()) for s in segments]
+    lowest_deg, highest_deg = np.min(ends_deg), np.max(ends_deg)
+    edges_deg = np.linspace(lowest_deg, highest_deg, _PARTS + 1)[1:-1]
+    part = np.concatenate([_part_of(s.phase_deg, edges_deg) for s in segments])
+    marked = np.concatenate(kept)
     have = np.bincount(part[marked], minlength=_PARTS)
-    wanted = np.minimum(np.bincount(part, minlength=_PARTS), _FEWEST)
-    for k in np.flatnonzero(have < wanted):
+    for k in np.flatnonzero(have < _FEWEST):
         rest = np.flatnonzero((part == k) & ~marked)
         marked[rest[np.linspace(0, rest.size - 1, min(rest.size, _FEWEST)).astype(int)]] = True
     ends = np.cumsum([s.n for s in segments])
     for own, with_rare in zip(kept, np.split(marked, ends[:-1]), strict=True):
         for row in np.flatnonzero(with_rare & ~own):
             own[max(row - _AROUND_ROWS, 0) : row + _AROUND_ROWS] = True
+
+
+def _part_of(phase_deg: Array, edges_deg: Array) -> NDArray[np.uint8]:
+    """Part of the range of each row, in a byte: a long record has no room for more."""
+    part = np.empty(phase_deg.size, dtype=np.uint8)
+    for first in range(0, part.size, _AT_ONCE):
+        rows = slice(first, first + _AT_ONCE)
+        part[rows] = np.searchsorted(edges_deg, phase_deg[rows])
+    return part
 
 
 def _of_kept(data: Dataset, kept: Sequence[Kept]) -> Dataset:

@@ -1,5 +1,6 @@
 """A part of a record to search on."""
 
+import tracemalloc
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -45,3 +46,13 @@ def test_parts_are_rows_of_the_record_in_order(seed: int, n: int, most: int) -> 
         last[part.run] = part.first_row + part.n
         assert np.array_equal(part.phase_deg, whole[part.run][part.first_row :][: part.n])
     assert replace(searched_part(data, most), segments=data.segments) == data
+
+
+def test_a_long_record_is_thinned_in_little_memory() -> None:
+    data = _data(np.linspace(-90.0, 90.0, 1_000_000))
+    tracemalloc.start()
+    try:
+        searched_part(data, 3000)
+        assert tracemalloc.get_traced_memory()[1] < 6 * data.n  # bytes; a number a row is eight
+    finally:
+        tracemalloc.stop()
