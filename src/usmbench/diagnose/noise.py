@@ -25,7 +25,7 @@ LAGS, KINDS = 6, 4
 _REVERSAL = 3  # of the kinds
 _CORNER_DEG = 1.0
 _DISTRUST = 0.3
-_STANDING = 0.02  # of the highest speed
+STANDING = 0.02  # of the highest speed
 # From small steps nobody knows when a large one takes effect: a share of the step, 50 µs of 10 ms,
 # beyond so many times the largest quarter's mean, in these windows after it.
 _UNSEEN, _FARTHER, _AT_ONCE = 5e-3, 1.5, (0, 1)
@@ -175,6 +175,6 @@ def step_kind(stretch: Stretch) -> NDArray[np.int64]:
     """
     after = stretch.settled_rad_s
     before = after - stretch.step_rad_s
-    least = _STANDING * float(np.max(np.abs(after), initial=0.0))
+    least = STANDING * float(np.max(np.abs(after), initial=0.0))
     stopped, stood = np.abs(after) <= least, np.abs(before) <= least
     return np.select([stopped, stood, before * after < 0.0], [1, 2, 3], 0)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.colour import autoregression, taken_by_fit
-from usmbench.diagnose.noise import KINDS, LAGS, STARTS, Noise, farther_out, step_kind
+from usmbench.diagnose.noise import KINDS, LAGS, STANDING, STARTS, Noise, farther_out, step_kind
 from usmbench.diagnose.stretches import Mask, Stretch
 
 Array = NDArray[np.float64]
@@ -18,7 +18,8 @@ _HIGHEST_ORDER = 6
 _BINS = 16
 _TRIMMED = 1.2  # what is left out above 97 % of a normal variable, and a little for heavier tails
 _LEAST_SHARE = 0.3  # of the middle noise level: a standing rotor shows none, yet is not exact
-_FEWEST_STARTS, _FEWEST_PAIRS = 20, 100  # rows
+_FEWEST_STARTS, _FEWEST_PAIRS, _FEWEST_QUIET = 20, 100, 50  # rows
+_QUIET_SHARE, _NO_STEP_RAD_S = 0.2, 1e-9  # of the rows of a rotor that turns
 _NORMAL = 1.4826  # standard deviation over median absolute deviation
 _CALM, _FEWEST_CALM = 0.9, 500  # of the level; rows
 _FAR = 4.0  # times the noise: what is farther out counts as that far
@@ -50,9 +51,7 @@ def estimate_noise(
     step = np.concatenate([s.step_rad_s for s in stretches])
     use = np.concatenate(list(masks))
     error = np.concatenate(list(residuals))
-    quiet = use & ((lag >= LAGS) | (np.abs(step) < 1e-9))
-    if np.count_nonzero(quiet) < 50:
-        quiet = use & (lag >= min(2, int(lag[use].max(initial=0))))
+    quiet = _quiet(stretches, use, lag, np.abs(step))
     centres, sigma = _levels(phase_deg[quiet], error[quiet])
     middle = float(np.median(sigma))
     sizes, spreads = np.ones((LAGS, KINDS, _SIZES)), np.zeros((LAGS, KINDS, _SIZES))
@@ -66,6 +65,25 @@ def estimate_noise(
     flat = replace(flat, same_again=_returning(stretches, residuals, masks, flat))
     ar, innovation = _colour(stretches, residuals, masks, flat, fitted)
     return replace(flat, ar=ar, innovation=innovation)
+
+
+def _quiet(stretches: Sequence[Stretch], use: Mask, lag: NDArray[np.int64], size: Array) -> Mask:
+    """Rows that show the noise alone, of a rotor that turns, too: far from steps, or after little.
+
+    Where a phase glides, the few rows at its crest, and those of a rotor at rest, say too little.
+    """
+    settled = np.concatenate([np.abs(s.settled_rad_s) for s in stretches])
+    turns = use & (settled > STANDING * float(np.max(settled, initial=0.0)))
+    n_turns = max(int(np.count_nonzero(turns)), 1)
+    far = use & ((lag >= LAGS) | (size < _NO_STEP_RAD_S))
+    if np.count_nonzero(far & turns) >= _FEWEST_QUIET:
+        return far
+    near = use & (lag >= min(2, int(lag[use].max(initial=0))))
+    if np.count_nonzero(near & turns) >= max(_FEWEST_QUIET, _QUIET_SHARE * n_turns):
+        return near
+    share = min(max(_QUIET_SHARE, _FEWEST_QUIET / n_turns), 1.0)
+    small = turns & (size <= np.quantile(size[turns], share)) if turns.any() else use
+    return np.asarray(far | near | small)
 
 
 def _levels(phase_deg: Array, error: Array) -> tuple[Array, Array]:

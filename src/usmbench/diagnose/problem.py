@@ -205,6 +205,19 @@ class Problem:
         """
         return self.carried(self.left_rad_s(effects)) if effects else self.residual
 
+    def unsure_rad_s(self, rows: Sequence[Mask]) -> list[Array]:
+        """Return how far off a residual may be by what is no news, by stretch, shape (N,).
+
+        Parameters
+        ----------
+        rows
+            Rows of each stretch that are asked for; the others get 0.
+        """
+        asked = np.concatenate(rows)
+        unsure = np.zeros(asked.size)
+        unsure[asked] = np.linalg.norm(np.asarray(self._shapes[asked] @ self._root), axis=1)
+        return np.split(unsure, np.cumsum([mask.size for mask in rows])[:-1])
+
     def drop(self, effects: Sequence[Applied]) -> float:
         """Return by how much effects lower the deviance.
 

@@ -127,11 +127,13 @@ def left_unnamed(problem: Problem, effects: Sequence[Applied], spread: float) ->
         A warning for each stretch that has such windows while its motor runs steadily.
     """
     found = []
-    for stretch, mask, left in zip(
-        problem.stretches, problem.masks, problem.left_rad_s(effects), strict=True
-    ):
-        far = np.abs(left) > PLAIN * spread * problem.noise.level_rad_s(stretch)
-        off_rad_s = np.abs(left[far & steady(stretch) & ~mask])
+    left = problem.left_rad_s(effects)
+    not_judged = [
+        steady(s) & ~mask for s, mask in zip(problem.stretches, problem.masks, strict=True)
+    ]
+    far = _beyond(problem, left, not_judged, spread)
+    for stretch, rows, residual in zip(problem.stretches, far, left, strict=True):
+        off_rad_s = np.abs(residual[rows])
         if off_rad_s.size >= _TOLD:
             found.append(
                 f"{stretch.name}: windows of steady running that stand alone are not judged: "
@@ -164,10 +166,23 @@ def _alone(
     """Windows that stand alone, by more than what is no count, or than an effect may be off by."""
     far = spiked(problem.stretches, left, problem.noise, near_steps=True, times=PLAIN * spread)
     far = off_steps(problem.stretches, left, far)
+    beyond = _beyond(problem, left, far, spread)
     least_rad_s = [_OF_COUNT * (s.context.count_rad_s or 0.0) for s in problem.stretches]
     changes = problem.change_rad_s(effects)
-    parts = zip(far, left, least_rad_s, changes, strict=True)
-    return [f & (np.abs(r) > np.maximum(least, _off_rad_s(c))) for f, r, least, c in parts]
+    parts = zip(beyond, left, least_rad_s, changes, strict=True)
+    return [b & (np.abs(r) > np.maximum(least, _off_rad_s(c))) for b, r, least, c in parts]
+
+
+def _beyond(
+    problem: Problem, left: Sequence[Array], rows: Sequence[Mask], spread: float
+) -> list[Mask]:
+    """Rows, of those given, that are plainly beyond the noise and what is no news."""
+    unsure = problem.unsure_rad_s(rows)
+    parts = zip(problem.stretches, left, rows, unsure, strict=True)
+    return [
+        mask & (np.abs(r) > PLAIN * spread * np.hypot(problem.noise.level_rad_s(s), u))
+        for s, r, mask, u in parts
+    ]
 
 
 def _off_rad_s(change_rad_s: Array) -> Array:

@@ -24,8 +24,8 @@ MODEL = HammersteinModel(
 )
 
 
-def _stretch(levels_deg: Array) -> Stretch:
-    phase_deg = np.repeat(levels_deg, HOLD)
+def _stretch(levels_deg: Array, hold: int = HOLD) -> Stretch:
+    phase_deg = np.repeat(levels_deg, hold)
     n = phase_deg.size
     t_s = WINDOW_S * np.arange(1.0, n + 1.0)
     record = Record("run", t_s, phase_deg, np.zeros(n), np.full(n, WINDOW_S))
@@ -77,3 +77,16 @@ def test_a_rotor_that_sticks_at_the_edge_is_noisier_there_and_nowhere_else() -> 
     middle = (share > 0.02) & (share < 0.025)
     assert np.median(found[middle]) == pytest.approx(0.1, rel=0.3)
     assert np.median(found[share > 0.1]) == pytest.approx(NOISE_RAD_S, rel=0.1)
+
+
+def test_where_the_phase_glides_the_noise_is_not_that_of_its_few_crests() -> None:
+    rng = np.random.default_rng(8)
+    turned = 2.0 * np.pi * np.outer(np.arange(1200) / 1200, np.arange(1, 40))
+    waves = np.sum(np.cos(turned + rng.uniform(0.0, 2.0 * np.pi, 39)), axis=1)
+    stretch = _stretch(np.round(80.0 * waves / np.max(np.abs(waves)), 1), 1)
+    crests = stretch.lag > 0
+    assert 5 < np.count_nonzero(crests) < 50
+    # The curve follows what it meets there.
+    left = np.where(crests, 0.1, 1.0) * NOISE_RAD_S * rng.standard_normal(stretch.context.n)
+    noise = estimate_noise([stretch], [left], [stretch.use])
+    assert np.median(noise.calm_rad_s(stretch)) == pytest.approx(NOISE_RAD_S, rel=0.3)

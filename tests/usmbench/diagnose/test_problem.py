@@ -42,6 +42,18 @@ def deviance(white: Array, free: Array) -> float:
     return float(white @ np.linalg.solve(np.eye(white.size) + free @ free.T, white))
 
 
+def test_rows_may_be_off_as_the_covariance_says(
+    stretches: list[Stretch], known: Knowledge, noise: Noise
+) -> None:
+    problem = Problem(stretches, known, noise, [s.use for s in stretches])
+    rows = [s.use & (s.lag > 0) for s in stretches]
+    shapes, root = known.background(stretches)
+    for unsure, mask, own in zip(problem.unsure_rad_s(rows), rows, shapes, strict=True):
+        covariance = own @ root @ root.T @ own.T
+        assert unsure[mask] == pytest.approx(np.sqrt(np.diag(covariance))[mask])
+        assert not unsure[~mask].any()
+
+
 def test_the_deviance_is_that_of_the_whole_covariance(
     stretches: list[Stretch], known: Knowledge, noise: Noise, monkeypatch: pytest.MonkeyPatch
 ) -> None:

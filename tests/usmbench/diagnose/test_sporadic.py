@@ -138,3 +138,22 @@ def test_in_a_noise_that_has_grown_none_stands_alone(spread: float, told: bool) 
     assert known.noise is not None
     problem = Problem([stretch], known, known.noise, [stretch.use & (np.abs(off) == 0.0)])
     assert bool(left_unnamed(problem, (), spread)) == told
+
+
+@pytest.mark.parametrize(("known_well", "found"), [(True, True), (False, False)])
+def test_what_the_model_may_miss_after_a_step_is_no_false_count(
+    known_well: bool, found: bool
+) -> None:
+    model = identified()
+    phase_deg = np.repeat(np.random.default_rng(2).uniform(30.0, 88.0, 100), 20)
+    record = driven(phase_deg, 4)
+    off = np.zeros(phase_deg.size)
+    off[[203, 704, 1103, 1405]] = 25.0 * NOISE_RAD_S  # three windows after a step, or four
+    (stretch,), _ = cut_runs([replace(record, speed_rad_s=record.speed_rad_s + off)], model, ())
+    known = knowledge_of(model)
+    assert known.noise is not None
+    if not known_well:
+        lag = np.array([g in ("lag 3", "lag 4", "lag 5") for g in known.features.groups])
+        known = replace(known, root=known.root + np.diag(0.5 * lag))
+    problem = Problem([stretch], known, known.noise, [stretch.use])
+    assert (find_sporadic(problem, (), 1.0) is not None) == found

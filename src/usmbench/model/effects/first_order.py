@@ -10,6 +10,7 @@ from usmbench.model.hammerstein import LinearPart
 from usmbench.model.linear import dead_time_s, time_constant_s
 
 _SAME = 0.03  # largest difference of a coefficient that still is the same lag
+_EXACT = 1e-6  # difference that is none
 _FASTEST = 1e-3  # of a window: a lag faster than this is none
 
 
@@ -95,16 +96,20 @@ def lag_of(linear: LinearPart, window_s: float) -> Lag | None:
     tau_s, delay_s = time_constant_s(linear), dead_time_s(linear)
     if tau_s is None or delay_s is None or linear.a.size != 1:
         return None
+    lags = []
     if delay_s > -_SAME * window_s:
-        averaged = Lag(tau_s, max(delay_s, 0.0))
-        if _same(averaged.linear_part(window_s), linear):
-            return averaged
+        lags.append(Lag(tau_s, max(delay_s, 0.0)))
     pole, left = -float(linear.a[0]), 1.0 - float(linear.b[0])
-    if not pole - _SAME < left < 1.0:
-        return None
-    acts_s = min(-tau_s * math.log(left), window_s)
-    sampled = Lag(tau_s, (linear.dead_time_windows + 1.0) * window_s - acts_s, sampled=True)
-    return sampled if _same(sampled.linear_part(window_s), linear) else None
+    if pole - _SAME < left < 1.0:
+        acts_s = min(-tau_s * math.log(max(left, pole)), window_s)
+        late_s = (linear.dead_time_windows + 1.0) * window_s - acts_s
+        lags.append(Lag(tau_s, late_s, sampled=True))
+    # A lag too short to show in samples would still show in averages. Where both are the same
+    # equation, averages are what the bench measures.
+    offs = [_off(lag.linear_part(window_s), linear) for lag in lags]
+    least = min(offs, default=_SAME)
+    near = (lag for lag, off in zip(lags, offs, strict=True) if off < least + _EXACT)
+    return next(near) if least < _SAME else None
 
 
 def true_dead_time_s(linear: LinearPart) -> float | None:
@@ -167,10 +172,10 @@ def later(linear: LinearPart, delay_s: float, window_s: float) -> LinearPart:
     return replace(linear, b=b, dead_time_windows=linear.dead_time_windows + whole)
 
 
-def _same(one: LinearPart, other: LinearPart) -> bool:
-    """Whether two numerators with their delays are the same but for a little."""
+def _off(one: LinearPart, other: LinearPart) -> float:
+    """Largest difference of two numerators with their delays."""
     n = 4 + sum(linear.dead_time_windows + linear.b.size for linear in (one, other))
-    return bool(np.max(np.abs(_padded(one, n) - _padded(other, n))) < _SAME)
+    return float(np.max(np.abs(_padded(one, n) - _padded(other, n))))
 
 
 def _padded(linear: LinearPart, n: int) -> Array:

@@ -16,6 +16,7 @@ from usmbench.model.effects.first_order import Lag, first_order, lag_of
 from usmbench.model.effects.phase_offset import PhaseOffset
 from usmbench.model.effects.phase_quantisation import RoundedPhase, TruncatedPhase
 from usmbench.model.effects.shaft_compliance import ShaftCompliance, SwingingLoad
+from usmbench.model.effects.slow_dynamics import SlowDynamics
 from usmbench.model.effects.transport_delay import TransportDelay
 from usmbench.model.extended import Applied, extended_run
 from usmbench.model.hammerstein import LinearPart
@@ -132,6 +133,28 @@ def test_lag_and_delay_come_back(tau: float, delay: float, sampled: bool) -> Non
         free_run(linear, np.ones(9), 0.0),
         atol=0.04 if sampled else 1e-9,
     )
+
+
+@settings(deadline=None, max_examples=30)
+@given(tau=st.floats(0.02, 0.15))
+def test_a_lag_that_samples_hide_is_no_lag_of_averages(tau: float) -> None:
+    # Averages would show it, so that a longer one would change them far more than samples.
+    linear = Lag(tau * WINDOW_S, 0.0, sampled=True).linear_part(WINDOW_S)
+    found = lag_of(linear, WINDOW_S)
+    assert found is not None
+    assert found.sampled
+    slower = SlowDynamics().linear_part(linear, _context(4), {"added_s": 0.15 * WINDOW_S})
+    left = 1.0 - free_run(slower, np.ones(1), 0.0)[0]
+    assert math.isclose(left, math.exp(-1.0 / (tau + 0.15)), abs_tol=2e-3)
+
+
+@settings(deadline=None, max_examples=30)
+@given(tau=st.floats(0.02, 3.0))
+def test_averages_without_a_delay_are_not_taken_for_samples(tau: float) -> None:
+    found = lag_of(Lag(tau * WINDOW_S, 0.0).linear_part(WINDOW_S), WINDOW_S)
+    assert found is not None
+    assert not found.sampled
+    assert math.isclose(found.tau_s, tau * WINDOW_S, rel_tol=1e-6)
 
 
 def test_a_whole_window_of_delay_shifts_any_dynamics() -> None:
