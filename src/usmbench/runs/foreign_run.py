@@ -10,6 +10,7 @@ import numpy as np
 from usmbench.errors import InputError
 from usmbench.runs.foreign_files import ForeignFile, open_foreign
 from usmbench.runs.record import Column, Record
+from usmbench.runs.time_step import usual_step_s
 from usmbench.settings.import_mapping import (
     COUNTS,
     UNITS,
@@ -123,9 +124,7 @@ def _check_rising(foreign: ForeignFile, columns: Mapping[str, Column]) -> None:
 def _add_time(columns: dict[str, Column]) -> None:
     """Give every row its window, and the time of the window's end from the first one's start."""
     if "window_s" not in columns:
-        step_s = np.diff(columns["t_s"])
-        typical_s = float(np.median(step_s)) if len(step_s) else 0.01
-        columns["window_s"] = np.full(len(columns["t_s"]), typical_s)
+        columns["window_s"] = np.full(len(columns["t_s"]), usual_step_s(columns["t_s"]))
     if "t_s" not in columns:
         columns["t_s"] = np.cumsum(columns["window_s"])
     else:

@@ -18,9 +18,9 @@ from usmbench.runs.csv_table import Table, read_table
 from usmbench.runs.dwells import derive_pairs
 from usmbench.runs.meta import read_meta
 from usmbench.runs.record import Column, Pairs, Record
+from usmbench.runs.time_step import UNKNOWN_S, usual_step_s
 
 # The paper's window, where nothing says otherwise.
-_WINDOW_S = 0.01
 _NEEDED = ("phase_deg", "speed_rad_s")
 _OPTIONAL = ("frequency_hz", "torque_nm", "angle_rad", "sweep", "settled")
 _KNOWN = ("t_s", *_NEEDED, "window_s", *_OPTIONAL, TEMPERATURE_COLUMN)
@@ -38,7 +38,7 @@ def read_run(path: Path | str) -> Record:
     -------
     Record
         The run. Where the file has none, `window_s` comes from run.yaml's encoder, else from the
-        median step of `t_s`, else it is 0.01 s; `t_s` of a bare CSV adds up the windows; the pairs
+        usual step of `t_s`, else it is 0.01 s; `t_s` of a bare CSV adds up the windows; the pairs
         are derived from the windows.
 
     Raises
@@ -115,10 +115,10 @@ def _window_s(path: Path, table: Table, columns: dict[str, Column], meta: dict[s
     """Return the duration of each window, from the best source there is."""
     window_s = columns.get("window_s")
     if window_s is None:
-        step_s = np.diff(columns["t_s"]) if "t_s" in columns else np.empty(0)
-        typical_s = float(np.median(step_s)) if len(step_s) else _WINDOW_S
         said_s = _said_window_s(path, meta)
-        window_s = np.full(len(columns["phase_deg"]), typical_s if said_s is None else said_s)
+        if said_s is None:
+            said_s = usual_step_s(columns["t_s"]) if "t_s" in columns else UNKNOWN_S
+        window_s = np.full(len(columns["phase_deg"]), said_s)
     wrong = np.flatnonzero(window_s <= 0.0)
     if len(wrong) and "window_s" in columns:
         raise InputError(
