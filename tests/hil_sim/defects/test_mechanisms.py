@@ -184,6 +184,10 @@ def test_a_dead_direction_counts_up_either_way() -> None:
     assert backward == -speed_rad_s(phase_deg=-90.0) > 5.0
 
 
+def test_swapped_wires_count_the_other_way() -> None:
+    assert speed_rad_s("swapped_wires", phase_deg=60.0) == -speed_rad_s(phase_deg=60.0) < -5.0
+
+
 def test_backlash_waits_after_a_reversal() -> None:
     turned = []
     for defects in ((), ("loose_coupling=40",)):

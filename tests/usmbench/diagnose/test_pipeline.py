@@ -38,6 +38,8 @@ def test_finds_nothing_where_nothing_is(model: HammersteinModel) -> None:
         (applied("transport_delay", "", delay_s=0.004), "delay_s"),
         (applied("load_torque", "weight", one_sided_rad_s=0.1), "one_sided_rad_s"),
         (applied("unsigned_counts", ""), None),
+        (applied("swapped_channels", ""), None),
+        (applied("phase_quantisation", "cut to zero", step_deg=0.9), "step_deg"),
     ],
     ids=lambda value: value.effect.name if isinstance(value, Applied) else "",
 )

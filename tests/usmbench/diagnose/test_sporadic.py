@@ -151,9 +151,10 @@ def test_what_the_model_may_miss_after_a_step_is_no_false_count(
     off[[203, 704, 1103, 1405]] = 25.0 * NOISE_RAD_S  # three windows after a step, or four
     (stretch,), _ = cut_runs([replace(record, speed_rad_s=record.speed_rad_s + off)], model, ())
     known = knowledge_of(model)
-    assert known.noise is not None
+    noise = known.noise
+    assert noise is not None
     if not known_well:
         lag = np.array([g in ("lag 3", "lag 4", "lag 5") for g in known.features.groups])
         known = replace(known, root=known.root + np.diag(0.5 * lag))
-    problem = Problem([stretch], known, known.noise, [stretch.use])
+    problem = Problem([stretch], known, noise, [stretch.use])
     assert (find_sporadic(problem, (), 1.0) is not None) == found

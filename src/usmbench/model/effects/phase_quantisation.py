@@ -119,4 +119,13 @@ class TruncatedPhase(RoundedPhase):
         return np.asarray(np.floor(steps + _SAME_STEP))
 
 
-FORMS = (RoundedPhase(), RoundedUpPhase(), TruncatedPhase())
+class PhaseCutToZero(RoundedPhase):
+    """φ′ = ±q ⌊|φ|/q⌋: a number with a sign is cut to a whole one, as by a cast in C."""
+
+    form = "cut to zero"
+
+    def _whole(self, steps: Array) -> Array:
+        return np.asarray(np.trunc(steps + np.copysign(_SAME_STEP, steps)))
+
+
+FORMS = (RoundedPhase(), RoundedUpPhase(), TruncatedPhase(), PhaseCutToZero())
