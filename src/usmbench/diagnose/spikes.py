@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter
+from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
 
 from usmbench.diagnose.noise import LAGS, Noise, step_kind
 from usmbench.diagnose.stretches import Mask, Stretch
@@ -19,6 +19,7 @@ _GENTLE = 0.1  # the same, a window: a command that glides
 _SETTLING, _STARTING = 2, 3
 _PARTS = 8  # of the speeds, from slow to fast
 _MOST_ALONE, _MOST_IN_PART = 0.1, 0.25  # more is no exception
+_AROUND = 3  # windows: with the one before and the one after
 _BESIDE, _AS_OTHERS = 11, 0.5  # windows; of what a window is off by
 PLAIN = 7.0  # so far that only a miscount remains
 FAR = 6.0  # standard deviations: once in 5·10⁸ windows of normal noise
@@ -68,6 +69,22 @@ def steady(stretch: Stretch) -> Mask:
     on: Mask = stretch.use & (settled > _RUNNING * top_rad_s)
     calm: Mask = on & (gently & (step_kind(stretch) == 0) | (stretch.lag >= _STARTING))
     return calm
+
+
+def moved_rad_s(stretch: Stretch) -> Array:
+    """Return how far a motor that comes a little sooner or later may be off in a window, (N,).
+
+    By what the speed changes by around the window, and by a rotor that creeps or stands.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    speed = stretch.simulated_rad_s
+    around = maximum_filter1d(speed, _AROUND) - minimum_filter1d(speed, _AROUND)
+    top_rad_s = float(np.max(np.abs(stretch.settled_rad_s), initial=0.0))
+    return np.asarray(np.maximum(around, _RUNNING * top_rad_s))
 
 
 def count_steady(stretches: Sequence[Stretch], far: Sequence[Mask]) -> tuple[int, int]:

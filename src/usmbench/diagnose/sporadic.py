@@ -16,6 +16,7 @@ from usmbench.diagnose.spikes import (
     PLAIN,
     apart,
     are_exceptions,
+    moved_rad_s,
     off_steps,
     spiked,
     steady,
@@ -69,9 +70,9 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
     spread
         Standard deviation of the whitened noise: in one that has grown, no window stands alone.
     """
-    left, calm = problem.left_rad_s(effects), _calm(problem, effects)
+    left = problem.left_rad_s(effects)
+    calm, far = _plain(problem, effects, left, _alone(problem, left, effects, spread))
     rows = np.concatenate(calm)
-    far = _alone(problem, left, effects, spread)
     off_rad_s = np.concatenate(list(left))[rows]
     # A counter's steps leave every window of a hold off by the same part of a count.
     windows = LoneWindows(
@@ -129,26 +130,43 @@ def left_unnamed(problem: Problem, effects: Sequence[Applied], spread: float) ->
     found = []
     left = problem.left_rad_s(effects)
     not_judged = [
-        steady(s) & ~mask for s, mask in zip(problem.stretches, problem.masks, strict=True)
+        (steady(s) | s.use & (np.abs(r) > moved_rad_s(s))) & ~mask
+        for s, r, mask in zip(problem.stretches, left, problem.masks, strict=True)
     ]
     far = _beyond(problem, left, not_judged, spread)
     for stretch, rows, residual in zip(problem.stretches, far, left, strict=True):
         off_rad_s = np.abs(residual[rows])
         if off_rad_s.size >= _TOLD:
             found.append(
-                f"{stretch.name}: windows of steady running that stand alone are not judged: "
+                f"{stretch.name}: windows that stand alone are not judged: "
                 f"{off_rad_s.size}, off by up to {np.max(off_rad_s):.3g} rad/s; no cause is named "
                 "for them"
             )
     return found
 
 
-def _calm(problem: Problem, effects: Sequence[Applied]) -> list[Mask]:
-    """Rows on which nothing but the counter can make a window stand alone."""
-    calm, chancy = [steady(s) for s in problem.stretches], chancy_of(effects)
-    if not chancy:
-        return calm
-    return [c & ~s for c, s in zip(calm, struck_by(problem, chancy), strict=True)]
+def _plain(
+    problem: Problem, effects: Sequence[Applied], left: Sequence[Array], far: Sequence[Mask]
+) -> tuple[list[Mask], list[Mask]]:
+    """Rows on which nothing but the counter can make a window stand alone, and those that do.
+
+    Where the motor moves, these are windows off by more than it may be for coming sooner or later.
+    """
+    calm, moved = (
+        [steady(s) for s in problem.stretches],
+        [moved_rad_s(s) for s in problem.stretches],
+    )
+    size = [np.abs(r) for r in left]
+    large = [f & (r > m) for f, r, m in zip(far, size, moved, strict=True)]
+    alone = [f & (c | b) for f, c, b in zip(far, calm, large, strict=True)]
+    if any(b.any() for b in large):
+        usual_rad_s = np.median(np.concatenate([r[b] for r, b in zip(size, large, strict=True)]))
+        still = [s.use & (m < usual_rad_s) for s, m in zip(problem.stretches, moved, strict=True)]
+        calm = [c | k for c, k in zip(calm, still, strict=True)]
+    chancy = chancy_of(effects)
+    if chancy:
+        calm = [c & ~s for c, s in zip(calm, struck_by(problem, chancy), strict=True)]
+    return calm, alone
 
 
 def _p_value(windows: LoneWindows, spikes_hz: float) -> float:

@@ -158,3 +158,29 @@ def test_what_the_model_may_miss_after_a_step_is_no_false_count(
         known = replace(known, root=known.root + np.diag(0.5 * lag))
     problem = Problem([stretch], known, noise, [stretch.use])
     assert (find_sporadic(problem, (), 1.0) is not None) == found
+
+
+@pytest.mark.parametrize(("off_rad_s", "found"), [(4.0, True), (1.0, False)])
+def test_what_no_move_of_the_motor_makes_is_a_false_count_wherever_it_strikes(
+    off_rad_s: float, found: bool
+) -> None:
+    # Where the phase swings fastest the speed changes by some rad/s from window to window.
+    rows = np.arange(2000)
+    phase_deg = 80.0 * np.sin(2.0 * np.pi * rows / 47.3)
+    record = driven(phase_deg, 6)
+    swings = np.flatnonzero(np.abs(np.cos(2.0 * np.pi * rows / 47.3)) > 0.9)
+    hit, off = swings[40::80], np.zeros(rows.size)
+    off[hit] = off_rad_s * np.resize([1.0, -1.0], hit.size)
+    (stretch,), _ = cut_runs(
+        [replace(record, speed_rad_s=record.speed_rad_s + off)], identified(), ()
+    )
+    known = knowledge_of(identified())
+    noise = known.noise
+    assert noise is not None
+    problem = Problem([stretch], known, noise, [stretch.use])
+    sporadic = find_sporadic(problem, (), 1.0)
+    assert (sporadic is not None) == found
+    if sporadic is not None:
+        assert sporadic.named.name == "count_glitches"
+        rate_hz = sporadic.applied.values["rate_hz"]
+        assert rate_hz == pytest.approx(hit.size / (rows.size * 0.01), rel=0.6)
