@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.features import Features
-from usmbench.diagnose.shapes import phase_nodes, unmeasured_rad_s
+from usmbench.diagnose.shapes import phase_nodes, unheld_rad_s, unmeasured_rad_s
 from usmbench.diagnose.stretches import Stretch
 
 Array = NDArray[np.float64]
@@ -28,15 +28,19 @@ def features_of(stretches: Sequence[Stretch]) -> Features:
     )
     speeds = [_at_point(stretches, k, table_deg) for k in range(len(stretches[0].points))]
     nodes_deg = phase_nodes(table_deg, speeds)
-    measured_deg = np.unique(np.concatenate(phase_deg))
+    every_deg = np.sort(np.concatenate(phase_deg))
+    between = unmeasured_rad_s(nodes_deg, np.unique(every_deg), table_deg, speeds)
+    top_rad_s = max(max(float(np.max(np.abs(s.settled_rad_s))) for s in stretches), 1e-9)
+    at_ends = unheld_rad_s(nodes_deg, every_deg, top_rad_s)
+    unmeasured = tuple(float(f"{off:.4g}") for off in np.hypot(between, at_ends))
     return Features(
         nodes_deg,
-        max(max(float(np.max(np.abs(s.settled_rad_s))) for s in stretches), 1e-9),
+        top_rad_s,
         max(float(s.context.t_s[-1]) for s in stretches),
         len(stretches[0].points),
         len(stretches[0].places),
         _steepest_rad_s(stretches),
-        unmeasured_rad_s(nodes_deg, measured_deg, table_deg, speeds),
+        unmeasured,
     )
 
 

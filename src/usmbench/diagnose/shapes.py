@@ -16,6 +16,7 @@ Array = NDArray[np.float64]
 PHASE_NODES = 49
 _NUDGE = 1e-4  # of the slip at which the torque gives out, and of a window
 _TRACE = 1e-4  # of what a change begins with
+_HELD, _OPEN_END = 8, 0.05  # rows that hold an end of a curve; share of the highest speed
 _STANDING = 0.01  # of the highest speed: in the dead zone a fitted curve is not exactly 0
 
 
@@ -67,6 +68,31 @@ def unmeasured_rad_s(
         turn = max((float(np.ptp(slope[near])) for slope in slopes if near.any()), default=0.0)
         off.append(float(f"{0.25 * turn * (high - low):.4g}"))
     return tuple(off)
+
+
+def unheld_rad_s(nodes_deg: Sequence[float], rows_deg: Array, top_rad_s: float) -> Array:
+    """Return how far off a curve may be at nodes that have few rows there or farther out.
+
+    A multisine comes to its ends once or twice, which does not tell how the curve saturates.
+
+    Parameters
+    ----------
+    nodes_deg
+        The nodes, rising, shape (K,).
+    rows_deg
+        Phases of all rows, rising, shape (N,).
+    top_rad_s
+        Highest speed.
+
+    Returns
+    -------
+    Array
+        Shape (K,).
+    """
+    up = np.searchsorted(rows_deg, nodes_deg, side="right")
+    down = rows_deg.size - np.searchsorted(rows_deg, nodes_deg, side="left")
+    held = np.minimum(np.minimum(up, down) / _HELD, 1.0)
+    return np.asarray(_OPEN_END * top_rad_s * (1.0 - held))
 
 
 def felt(linear: LinearPart, off_rad_s: Array) -> Array:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from usmbench.diagnose.cut_runs import cut_runs
-from usmbench.diagnose.shapes import detuned_rad_s, shown, unmeasured_rad_s
+from usmbench.diagnose.shapes import detuned_rad_s, shown, unheld_rad_s, unmeasured_rad_s
 from usmbench.diagnose.stretches import Stretch
 from usmbench.identify.lag_family import LagFamily
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
@@ -78,3 +78,11 @@ def test_a_curve_between_measured_phases_is_as_unsure_as_a_corner_there_would_ma
     assert off[2] == pytest.approx(0.5, rel=0.01)
     assert (off[0], off[1], off[3]) == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
     assert unmeasured_rad_s(nodes_deg, measured_deg[:1], table_deg, [corner]) == (0.0,) * 4
+
+
+@pytest.mark.parametrize("times", [1, 4, 8])
+def test_an_end_that_few_rows_hold_may_be_off(times: int) -> None:
+    rows_deg = np.sort(np.r_[np.linspace(-90.0, 40.0, 300), np.full(times, 90.0)])
+    low, middle, edge, end = unheld_rad_s((-80.0, 0.0, 60.0, 90.0), rows_deg, 10.0)
+    assert low == middle == 0.0
+    assert edge == end == pytest.approx(0.5 * (1.0 - times / 8))
