@@ -21,7 +21,8 @@ TELLING = 9.2  # deviance between two causes that data can tell: 99 % of chi-squ
 # benchmarks/next_experiment.py), of much evidence an amount and what a form of an effect is off by.
 _SIMILAR = 0.15
 _MISFIT, _OFF = 50.0, 0.03
-_MOST_ALTERNATIVES = 5  # a name with more of them tells nothing
+_MOST_ALTERNATIVES = 5  # a name with more of them tells nothing, unless it is beyond chance
+_NO_CHANCE = 1e-6
 _ONE_WAY = 2.0 * math.log(2.0)  # a parameter with one sign is given half the room beforehand
 
 
@@ -127,12 +128,14 @@ def alternatives(ranked: Sequence[Ranked]) -> tuple[str, ...]:
 def undecided(ranked: Sequence[Ranked]) -> bool:
     """Return whether so many causes explain about as much that to name one tells nothing.
 
+    Where chance is ruled out, even a long list says what it is not.
+
     Parameters
     ----------
     ranked
         The candidates, best first.
     """
-    return len(alternatives(ranked)) > _MOST_ALTERNATIVES
+    return len(alternatives(ranked)) > _MOST_ALTERNATIVES and ranked[0].p_value > _NO_CHANCE
 
 
 def nearest(ranked: Sequence[Ranked]) -> list[Ranked]:

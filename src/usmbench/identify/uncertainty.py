@@ -16,7 +16,7 @@ from usmbench.identify.noise import coloured_back, fit_noise
 from usmbench.identify.polish import Polished
 from usmbench.identify.triangle import full_rank, triangle
 from usmbench.model.bernstein import bernstein_basis
-from usmbench.model.effects.first_order import true_dead_time_s
+from usmbench.model.effects.first_order import net_delay_s
 from usmbench.model.hammerstein import StaticCurve
 from usmbench.model.inverse_map import bezier_abscissa
 from usmbench.model.linear import time_constant_s
@@ -172,7 +172,7 @@ def dynamics_intervals(
 
     def outcome(parameters: Array) -> Array:
         linear = family.dynamics(parameters).linear_part(window_s)
-        tau_s, dead_s = time_constant_s(linear), true_dead_time_s(linear)
+        tau_s, dead_s = time_constant_s(linear), net_delay_s(linear)
         slip_rad_s = linear.slip_limit_rad_s
         ends = [
             np.nan if tau_s is None else np.log(tau_s),
@@ -197,7 +197,7 @@ def dynamics_intervals(
         "a": pairs[:na],
         "b": pairs[na:-3],
         "tau_s": None if np.isnan(tau[0]) else tau,
-        "dead_time_s": None if np.isnan(dead[0]) else [max(dead[0], 0.0), dead[1]],
+        "dead_time_s": None if np.isnan(dead[0]) else np.maximum(dead, 0.0).tolist(),
         "slip_limit_rad_s": None if np.isnan(slip[0]) else np.exp(slip).tolist(),
     }
 

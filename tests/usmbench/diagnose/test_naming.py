@@ -7,12 +7,16 @@ from usmbench.diagnose.naming import Ranked, alternatives, undecided
 from usmbench.model.effects.registry import library
 
 
-@pytest.mark.parametrize(("leads_by", "tells"), [(0.0, False), (20.0, True)])
-def test_a_cause_that_any_other_may_stand_for_is_none(leads_by: float, tells: bool) -> None:
+@pytest.mark.parametrize(
+    ("leads_by", "p_value", "tells"), [(0.0, 4e-3, False), (20.0, 4e-3, True), (0.0, 1e-9, True)]
+)
+def test_a_cause_that_any_other_may_stand_for_is_none_but_beyond_chance(
+    leads_by: float, p_value: float, tells: bool
+) -> None:
     causes = {effect.name: effect for effect in library()}
     scores = [15.0 + leads_by * (k == 0) for k in range(len(causes))]
     ranked = [
-        Ranked(effect, NOTHING, score, 4e-3, score)
+        Ranked(effect, NOTHING, score, p_value, score)
         for effect, score in zip(causes.values(), scores, strict=True)
     ]
     assert undecided(ranked) != tells

@@ -123,6 +123,23 @@ def true_dead_time_s(linear: LinearPart) -> float | None:
     Returns
     -------
     float or None
+        As of `net_delay_s`, but 0 where the response runs a little ahead of its time constants.
+    """
+    delay_s = net_delay_s(linear)
+    return None if delay_s is None else max(delay_s, 0.0)
+
+
+def net_delay_s(linear: LinearPart) -> float | None:
+    """Return the mean delay of a response less its time constants, whichever way speeds are read.
+
+    Parameters
+    ----------
+    linear
+        The difference equation.
+
+    Returns
+    -------
+    float or None
         The delay of a lag that is sampled; else what `usmbench.model.linear.dead_time_s` says,
         which takes speeds for averages over windows.
     """

@@ -12,7 +12,13 @@ from scipy.integrate import solve_ivp
 from usmbench.model.effects import dead_zone_hysteresis, encoder_eccentricity, speed_scale
 from usmbench.model.effects.base import Context
 from usmbench.model.effects.coupling_backlash import CouplingBacklash
-from usmbench.model.effects.first_order import Lag, first_order, lag_of
+from usmbench.model.effects.first_order import (
+    Lag,
+    first_order,
+    lag_of,
+    net_delay_s,
+    true_dead_time_s,
+)
 from usmbench.model.effects.phase_offset import PhaseOffset
 from usmbench.model.effects.phase_quantisation import RoundedPhase, TruncatedPhase
 from usmbench.model.effects.shaft_compliance import ShaftCompliance, SwingingLoad
@@ -155,6 +161,14 @@ def test_averages_without_a_delay_are_not_taken_for_samples(tau: float) -> None:
     assert found is not None
     assert not found.sampled
     assert math.isclose(found.tau_s, tau * WINDOW_S, rel_tol=1e-6)
+
+
+def test_a_response_ahead_of_its_time_constant_has_no_dead_time() -> None:
+    ahead = LinearPart(np.array([-0.3]), np.array([0.75, -0.05]), 0, WINDOW_S)
+    delay_s = net_delay_s(ahead)
+    assert delay_s is not None
+    assert delay_s < 0.0
+    assert true_dead_time_s(ahead) == 0.0
 
 
 def test_a_whole_window_of_delay_shifts_any_dynamics() -> None:
