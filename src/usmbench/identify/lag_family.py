@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.identify.dynamics import Dynamics
-from usmbench.model.effects.first_order import lag_coefficients
+from usmbench.model.effects.first_order import SOONER, lag_coefficients
 
 Array = NDArray[np.float64]
 
@@ -46,7 +46,7 @@ class LagFamily:
             ln(τ/T) and dead time over T, shape (2,).
         """
         u, dead = math.exp(parameters[0]), float(parameters[1])
-        whole = math.floor(dead)
+        whole = _whole(dead)
         return self._at(u, whole, dead - whole)
 
     def _at(self, u: float, whole: int, f: float) -> Dynamics:
@@ -85,7 +85,7 @@ class LagFamily:
         parameters, step
             Where from and how far, shape (2,).
         """
-        low = np.array([math.log(_SHORTEST), 0.0])
+        low = np.array([math.log(_SHORTEST), 0.0 if self.sampled else -SOONER])
         high = np.array([math.log(_LONGEST), self.longest_dead_time])
         moved: Array = np.clip(parameters + step, low, high)
         return moved
@@ -99,7 +99,7 @@ class LagFamily:
             ln(τ/T) and dead time over T, shape (2,).
         """
         u, dead = float(parameters[0]), float(parameters[1])
-        whole = math.floor(dead)
+        whole = _whole(dead)
         f, h = dead - whole, _DIFFERENCE
         columns = [
             [self._at(math.exp(u + side * h), whole, f) for side in (1, -1)],
@@ -111,3 +111,8 @@ class LagFamily:
                 for up, down in columns
             ]
         )
+
+
+def _whole(dead_windows: float) -> int:
+    """Whole windows of a dead time, which may be a little below 0."""
+    return max(math.floor(dead_windows), 0)

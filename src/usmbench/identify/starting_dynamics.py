@@ -79,7 +79,8 @@ def or_sampled(averaged: Projected) -> Projected:
     """
     if not isinstance(averaged.family, LagFamily) or averaged.family.sampled:
         return averaged
-    start, family = averaged.fit.parameters, replace(averaged.family, sampled=True)
+    family, found = replace(averaged.family, sampled=True), averaged.fit.parameters
+    start = family.moved(found, np.zeros_like(found))  # which is never too soon
     sampled = fit_output_error(
         Projected(averaged.stretches, family, start, averaged.weights, averaged.penalties),
         _FINELY,

@@ -51,3 +51,22 @@ def test_averages_stay_averages(measure: Measure) -> None:
     lag = lag_of(identify_fast([measure()], FastOptions()).model.linear, 0.01)
     assert lag is not None
     assert not lag.sampled
+
+
+@pytest.mark.parametrize("n_steps", [20, 50])
+def test_averages_of_whole_steps_stay_averages(curve: StaticCurve, n_steps: int) -> None:
+    # Such a simulation acts on a step from its start: half a step sooner than a motor.
+    rng = np.random.default_rng(4)
+    phase_deg = np.repeat(rng.uniform(-90.0, 90.0, 300), 5)
+    left = np.exp(-2.0 / n_steps)
+    steps = LinearPart(np.array([-left]), np.array([1.0 - left]), 0, 0.01 / n_steps)
+    fine = free_run(steps, np.repeat(curve.speed_rad_s(phase_deg), n_steps))
+    n = phase_deg.size
+    noisy = fine.reshape(n, n_steps).mean(axis=1) + 1e-4 * rng.standard_normal(n)
+    record = Record("steps", 0.01 * np.arange(1.0, n + 1.0), phase_deg, noisy, np.full(n, 0.01))
+    found = identify_fast([record], FastOptions())
+    lag = lag_of(found.model.linear, 0.01)
+    assert lag is not None
+    assert not lag.sampled
+    assert lag.tau_s == pytest.approx(0.005, rel=0.02)
+    assert found.to_json()["dead_time_s"] == 0.0

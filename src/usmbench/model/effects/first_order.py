@@ -10,6 +10,9 @@ from usmbench.model.hammerstein import LinearPart
 from usmbench.model.linear import dead_time_s, time_constant_s
 
 _SAME = 0.03  # largest difference of a coefficient that still is the same lag
+# Of a window: by as much speeds that are averages may follow too soon, as those of a simulation in
+# whole steps do. Without it they pass for samples behind a delay.
+SOONER = 0.03
 _EXACT = 1e-6  # difference that is none
 _FASTEST = 1e-3  # of a window: a lag faster than this is none
 
@@ -63,7 +66,7 @@ def lag_coefficients(
     tau_windows
         Time constant τ over the duration T of a window.
     delay_windows
-        The delay's part of a window, 0 to 1.
+        The delay's part of a window, 0 to 1; of averages also a little below 0.
     sampled
         Whether speeds are those at the ends of windows.
 
@@ -77,6 +80,8 @@ def lag_coefficients(
     if sampled:
         return pole, np.array([1.0 - left, left - pole, 0.0])
     first = acts + tau_windows * math.expm1(-acts / tau_windows)
+    if acts > 1.0:  # since before the window
+        first = 1.0 - tau_windows * (1.0 - pole) * math.exp((1.0 - acts) / tau_windows)
     second = 1.0 - tau_windows * (1.0 - pole) * left
     return pole, np.array(
         [first, second - (1.0 + pole) * first, 1.0 - pole - second + pole * first]
@@ -97,19 +102,21 @@ def lag_of(linear: LinearPart, window_s: float) -> Lag | None:
     if tau_s is None or delay_s is None or linear.a.size != 1:
         return None
     lags = []
-    if delay_s > -_SAME * window_s:
-        lags.append(Lag(tau_s, max(delay_s, 0.0)))
+    if delay_s > -min(_SAME * window_s, tau_s):
+        # What comes before the window is in no mean delay.
+        sooner_s = tau_s * math.log1p(delay_s / tau_s) if delay_s < 0.0 else delay_s
+        lags.append(Lag(tau_s, max(sooner_s, -SOONER * window_s)))
     pole, left = -float(linear.a[0]), 1.0 - float(linear.b[0])
     if pole - _SAME < left < 1.0:
         acts_s = min(-tau_s * math.log(max(left, pole)), window_s)
         late_s = (linear.dead_time_windows + 1.0) * window_s - acts_s
         lags.append(Lag(tau_s, late_s, sampled=True))
     # A lag too short to show in samples would still show in averages. Where both are the same
-    # equation, averages are what the bench measures.
+    # equation, the one that needs less of a delay is meant.
     offs = [_off(lag.linear_part(window_s), linear) for lag in lags]
     least = min(offs, default=_SAME)
     near = (lag for lag, off in zip(lags, offs, strict=True) if off < least + _EXACT)
-    return next(near) if least < _SAME else None
+    return min(near, key=lambda lag: abs(lag.delay_s)) if least < _SAME else None
 
 
 def true_dead_time_s(linear: LinearPart) -> float | None:
