@@ -6,11 +6,12 @@ from functools import partial
 from types import TracebackType
 from typing import Final, Self, TextIO
 
-from usmbench.errors import BenchError, InputError, PortError, UsmbenchError
+from usmbench.errors import InputError, PortError, UsmbenchError
 from usmbench.instruments import dds
 from usmbench.instruments.board import Board
 from usmbench.instruments.board_link import DRIVE_STOPS, REPLY_TIMEOUT_S, BoardLink
 from usmbench.instruments.drive_limits import DriveLimits
+from usmbench.instruments.leaving_off import leave_off
 from usmbench.instruments.ports import find_board, open_port
 from usmbench.instruments.protocol._generated import Flags, RequestType
 from usmbench.instruments.protocol.messages import Identity, Status
@@ -18,7 +19,6 @@ from usmbench.instruments.serial_port import SerialPort
 from usmbench.settings.bench import GeneratorSettings
 
 AUTO: Final = "auto"
-_OFF_ATTEMPTS: Final = 3
 
 
 class SignalGenerator:
@@ -256,31 +256,13 @@ class SignalGenerator:
         trace: TracebackType | None,
     ) -> None:
         try:
-            self._leave_off(error)
+            leave_off(self._switch_off, error)
         except KeyboardInterrupt:
             # An impatient second Ctrl-C must not leave the drive on.
-            self._leave_off(error)
+            leave_off(self._switch_off, error)
             raise
         finally:
             self.close()
-
-    def _leave_off(self, error: BaseException | None) -> None:
-        """Switch off, several times if need be; the error under way stays the one that is seen."""
-        failure: UsmbenchError | None = None
-        for _ in range(_OFF_ATTEMPTS):
-            try:
-                self._switch_off(failure)
-            except (BenchError, InputError) as problem:
-                failure = problem
-            else:
-                failure = None
-                break
-        if failure is None:
-            return
-        if error is None or isinstance(error, KeyboardInterrupt):
-            # "Stopped by the user" would claim that the drive is known to be off.
-            raise failure
-        error.add_note(f"switching the outputs off failed: {failure}; {DRIVE_STOPS}")
 
     def _switch_off(self, failure: UsmbenchError | None) -> None:
         """Switch off, over a port opened anew where it had gone."""
