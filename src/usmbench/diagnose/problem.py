@@ -2,9 +2,8 @@
 
 The residual's covariance is ``C = noise + Σ τ² u uᵀ``, where each column u is something that may
 differ without being news: the curve's own error, the steps' mean jitter, gain and friction of the
-run. With the noise whitened to 1, ``eᵀ C⁻¹ e = min_β |e − Uβ|² + |β|²`` (U with its deviations τ
-in it), so a residual is carried as the vector ``[e − Uβ̂; β̂]``: its square is the deviance. U is
-kept as shapes, mostly zeros, and the ways in which they may differ together, which are not.
+run. U is kept as shapes, mostly zeros, and the ways in which they may differ together, which are
+not.
 """
 
 from collections.abc import Sequence
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag as dense_blocks
 from scipy.sparse import block_diag, csr_array, diags_array, hstack
 
+from usmbench.diagnose.carrier import Carrier
 from usmbench.diagnose.form import ROUGHLY, off_in_form
 from usmbench.diagnose.free_runs import FreeRuns
 from usmbench.diagnose.knowledge import Knowledge
@@ -28,7 +28,6 @@ from usmbench.model.extended import Applied, at_shaft_angle
 Array = NDArray[np.float64]
 
 _ANY = 1e3  # typical sizes
-_HIDDEN = 0.05  # share of the noise's variance below which a shape's own does not count
 
 
 class Problem:
@@ -237,11 +236,7 @@ class Problem:
         signal
             The residual of each stretch, in rad/s, shape (N,), or (N, K) for K of them at once.
         """
-        white = np.asarray(self._whitening @ np.concatenate(signal))
-        shaped = np.asarray(self._judged.T @ white)
-        beta = ((self._ways.T @ shaped).T / self._tension).T
-        carried: Array = np.concatenate([white - self._judged @ (self._ways @ beta), beta])
-        return carried
+        return self._carrier.carried(np.concatenate(signal))
 
     def _also(self, shapes: Array, deviation: float, filter_: csr_array) -> "Problem":
         """Return the same problem with further shapes of one standard deviation."""
@@ -274,12 +269,7 @@ class Problem:
         self.masks = tuple(masks)
         self._valid = [self._whole(mask) for mask in self.masks]
         rows = np.concatenate(self._valid)
-        self._whitening, self._judged = self._filter[rows], self._background[rows]
-        alike = (self._judged.T @ self._judged).toarray()
-        power, ways = np.linalg.eigh(self._root.T @ alike @ self._root)
-        shown = power > _HIDDEN
-        self._ways: Array = self._root @ ways[:, shown]
-        self._tension: Array = 1.0 + power[shown]  # UᵀU + 1, which is diagonal
+        self._carrier = Carrier.of(self._filter, self._background, rows, self._root)
         self.residual = self.carried(self.residual_rad_s)
         self.deviance = float(self.residual @ self.residual)
 

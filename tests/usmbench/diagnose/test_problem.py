@@ -57,7 +57,7 @@ def test_rows_may_be_off_as_the_covariance_says(
 def test_the_deviance_is_that_of_the_whole_covariance(
     stretches: list[Stretch], known: Knowledge, noise: Noise, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("usmbench.diagnose.problem._HIDDEN", 0.0)
+    monkeypatch.setattr("usmbench.diagnose.carrier._HIDDEN", 0.0)
     use = stretches[0].use.copy()
     use[120:123] = False
     problem = Problem(stretches, known, noise, [use])
