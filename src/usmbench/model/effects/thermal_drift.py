@@ -12,7 +12,7 @@ from usmbench.model.effects.weaker_drive import weaker
 
 _MEANING = "The speed changes over the run as the motor warms and its resonance moves."
 _MEND = "Warm up for longer, log the stator's temperature, and let the frequency follow it."
-_DRIFT = Parameter("final_drift", "1", 0.0, -8.0, 8.0, 0.01)
+_DRIFT = Parameter("final_drift", "1", 0.0, -1.0, 1.0, 0.01)
 # A drift that is over within two seconds is no warm-up: it would look like another gain.
 _WARM_UP = Parameter("warm_up_s", "s", 30.0, 2.0, 3000.0, 5.0, scanned=True)
 
