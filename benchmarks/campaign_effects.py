@@ -32,6 +32,7 @@ _NOT_IN_PROPORTION: Final = _BY_CHANCE | {
     "missing_phase_bits",
     "other_code_wheel",
     "soft_coupling",
+    "swapped_wires",
     "sticky_friction",
 }
 

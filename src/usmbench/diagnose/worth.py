@@ -29,6 +29,8 @@ _ONE_FOLD = 2.0 / 3.0  # of what it takes from unseen blocks
 # That a cause has to explain better: rows, or places in the runs, where it acts at starts only.
 _FEWEST_ROWS, _FEWEST_PLACES = 8.0, 2.5
 _GAINED, _APART = 10.0, 5  # deviance of a row beyond chance; rows without between two places
+# Deviance of what runs may be off by, ten of its deviations: a gain of −1 stands in no single row.
+_OUT_OF_BOUNDS = 100.0
 _MOST_OF_ROW = 100.0  # deviance: ten times the noise
 
 
@@ -75,6 +77,9 @@ def worth_a_name(
     if before.effects and not _beyond_form(problem, before, longer, first, spread):
         return False
     gained = _by_row(problem, before, longer)
+    in_rows = float(np.sum(gained))
+    if not before.effects and longer.statistic - in_rows > max(in_rows, _OUT_OF_BOUNDS):
+        return True
     return _effective(gained) >= _FEWEST_ROWS or _places(problem, gained) >= _FEWEST_PLACES
 
 

@@ -1,5 +1,7 @@
 """What a cause has to bring to be worth a name."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -156,3 +158,25 @@ def test_of_two_that_are_weighed_anew_each_has_to_earn_its_place(
 ) -> None:
     before, turned = _fit(problem, LATE), _fit(problem, WARMS, LATE)
     assert worth_a_name(problem, before, turned, np.array(EVERYWHERE), First(first), 1.0) == worth
+
+
+@pytest.mark.parametrize(("wander", "worth"), [(0.05, True), (0.5, False)])
+def test_what_the_gain_would_have_to_be_off_by_stands_in_no_row(
+    monkeypatch: pytest.MonkeyPatch, wander: float, worth: bool
+) -> None:
+    # Gains that wander by 5 % make up for swapped channels at forty times that.
+    swapped = applied("swapped_channels", "")
+    phase_deg = np.repeat(np.random.default_rng(3).uniform(-88.0, 88.0, 100), 20)
+    model = identified()
+    (stretch,), _ = cut_runs([driven(phase_deg, 13, swapped)], model, ())
+    known = knowledge_of(model)
+    known = replace(known, wander=replace(known.wander, gain=wander))
+    noise = known.noise
+    assert noise is not None
+    problem = Problem([stretch], known, noise, [stretch.use])
+    left = float(np.sum(problem.residual[: problem.n_rows] ** 2))
+    fit = _fit(problem, swapped)
+    beyond = problem.deviance - left
+    in_one_row = np.r_[fit.statistic - beyond, np.zeros(problem.n_rows - 1)]
+    monkeypatch.setattr("usmbench.diagnose.worth._by_row", lambda *_: in_one_row)
+    assert worth_a_name(problem, NOTHING, fit, np.array(EVERYWHERE), First(), 1.0) == worth
