@@ -6,7 +6,6 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 
 import pytest
 import serial
@@ -39,17 +38,19 @@ def test_it_says_where_it_is_and_ends_when_its_parent_does() -> None:
     with started("--json", "--stdin-control", "--lock-step", "--load", "0.1") as process:
         places = json.loads(said(process))
         assert places["daq"].startswith("127.0.0.1:")
+        assert process.stdin is not None
+        # Held open, the port's number is nobody else's when the testbed has gone.
         with serial.Serial(places["port"], 115200, timeout=5.0) as port:
             port.write(build_frame(b"\x01\x06"))
             assert len(port.read(8)) == 8
-        assert process.stdin is not None
-        process.stdin.write('{"load_nm": 0.2}\n{"load_nm": -1}\n')
-        process.stdin.flush()
-        assert json.loads(said(process)) == {"ok": True, "time_s": 0.0}
-        assert json.loads(said(process))["ok"] is False
-        process.stdin.close()
-        assert process.wait(10) == 0
-        assert not Path(places["port"]).exists()
+            process.stdin.write('{"load_nm": 0.2}\n{"load_nm": -1}\n')
+            process.stdin.flush()
+            assert json.loads(said(process)) == {"ok": True, "time_s": 0.0}
+            assert json.loads(said(process))["ok"] is False
+            process.stdin.close()
+            assert process.wait(10) == 0
+            with pytest.raises(OSError, match="failed"):
+                port.write(b"anybody there?")
         assert process.stderr is not None
         assert process.stderr.read() == ""
 
