@@ -32,8 +32,8 @@ _NOT_IN_PROPORTION: Final = _BY_CHANCE | {
     "missing_phase_bits",
     "other_code_wheel",
     "soft_coupling",
-    "swapped_wires",
     "sticky_friction",
+    "swapped_wires",
 }
 
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.chance import chancy_of, leaves_scatter
 from usmbench.diagnose.fitting import Fit
-from usmbench.diagnose.naming import Ranked
+from usmbench.diagnose.naming import NO_CHANCE, Ranked
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.remainder import LOUD
 from usmbench.diagnose.result import Verdict
@@ -23,7 +23,6 @@ _MOST_LEFT = 0.4  # as a share; what verdict() calls partly explained ends there
 _GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by a tenth
 _TRIFLE = 0.01  # of what there was: what a form of an effect may be off by
 _SCATTER = 0.5  # of what is left: the rest is smooth
-_NO_CHANCE = 1e-6  # family-wise, for a warning
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,7 +134,7 @@ def left_aside(found: Found) -> list[str]:
         One warning, or none.
     """
     best = found.ranked[0]
-    if best.p_value >= _NO_CHANCE or best.effect.name in found.problem.known.habit_names:
+    if best.p_value >= NO_CHANCE or best.effect.name in found.problem.known.habit_names:
         return []
     return [
         f"{best.effect.name} explains more than chance leaves, but not in parts of the runs that "

@@ -1,6 +1,6 @@
 """What an extension gains on blocks of the runs that its fit has not seen."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,7 +42,7 @@ class Gain:
     high: float
 
 
-def held_out_gain(problem: Problem, fit: Fit, *, sporadic: bool = False) -> Gain:
+def held_out_gain(problem: Problem, fit: Fit, struck: Sequence[Mask] = ()) -> Gain:
     """Score effects on blocks that their values were not fitted on, beside the model as given.
 
     Rows that stand alone count neither before nor after: whether a motor starts in one window or
@@ -54,9 +54,9 @@ def held_out_gain(problem: Problem, fit: Fit, *, sporadic: bool = False) -> Gain
         The problem.
     fit
         The effects at their values on all rows; none scores the model against itself.
-    sporadic
-        Whether the extension has a name for the rows that stand alone; then the model as given
-        has to answer for them.
+    struck
+        Rows of each stretch that stand alone and that the extension has a name for, shape (N,)
+        each; then the model as given has to answer for all that do. Empty for no such name.
     """
     held = [s.residual_rad_s.copy() for s in problem.stretches]
     blocks = _blocks(problem)
@@ -65,12 +65,12 @@ def held_out_gain(problem: Problem, fit: Fit, *, sporadic: bool = False) -> Gain
             rows = blocks[k] % _FOLDS == fold
             held[k][rows] -= change[rows]
     sums = []
-    for stretch, after, mask, block in zip(
-        problem.stretches, held, problem.masks, blocks, strict=True
-    ):
+    alone = struck or [np.zeros_like(mask) for mask in problem.masks]
+    masks = [mask & ~a for mask, a in zip(problem.masks, alone, strict=True)]
+    for stretch, after, mask, block in zip(problem.stretches, held, masks, blocks, strict=True):
         level = problem.noise.level_rad_s(stretch)
         scored = stretch.use & mask
-        plain = stretch.use if sporadic else scored
+        plain = stretch.use if struck else scored
         sums.append(
             np.array(
                 [

@@ -22,7 +22,7 @@ TELLING = 9.2  # deviance between two causes that data can tell: 99 % of chi-squ
 _SIMILAR = 0.15
 _MISFIT, _OFF = 50.0, 0.03
 _MOST_ALTERNATIVES = 5  # a name with more of them tells nothing, unless it is beyond chance
-_NO_CHANCE = 1e-6
+NO_CHANCE = 1e-6  # family-wise
 _ONE_WAY = 2.0 * math.log(2.0)  # a parameter with one sign is given half the room beforehand
 
 
@@ -135,7 +135,7 @@ def undecided(ranked: Sequence[Ranked]) -> bool:
     ranked
         The candidates, best first.
     """
-    return len(alternatives(ranked)) > _MOST_ALTERNATIVES and ranked[0].p_value > _NO_CHANCE
+    return len(alternatives(ranked)) > _MOST_ALTERNATIVES and ranked[0].p_value > NO_CHANCE
 
 
 def nearest(ranked: Sequence[Ranked]) -> list[Ranked]:

@@ -20,7 +20,7 @@ from usmbench.diagnose.remainder import describe
 from usmbench.diagnose.result import Diagnosis, Trace, Verdict
 from usmbench.diagnose.search import search
 from usmbench.diagnose.sporadic import Sporadic, find_sporadic, left_unnamed
-from usmbench.diagnose.stretches import Stretch
+from usmbench.diagnose.stretches import Mask, Stretch
 from usmbench.diagnose.views import residual_views
 from usmbench.model.effects.base import Effect
 from usmbench.model.effects.registry import library
@@ -124,8 +124,9 @@ def _report(
         model, effects=(*model.effects, *(applied.to_mapping() for applied in effects))
     )
     left = found.left_rad_s if named else problem.residual_rad_s
-    gain = held_out_gain(problem, fit, sporadic=sporadic is not None)
-    causes = [] if not named else _causes(found, named, fit, gain)
+    struck = () if sporadic is None else sporadic.struck
+    gain = held_out_gain(problem, fit, struck)
+    causes = [] if not named else _causes(found, named, fit, gain, struck)
     if sporadic is not None:
         first = named[0][0].statistic if named else 0.0
         strongest = sporadic.deviance > first * found.spread**2
@@ -153,7 +154,9 @@ def _report(
     )
 
 
-def _causes(found: Found, named: Sequence[list[Ranked]], fit: Fit, gain: Gain) -> list[NamedCause]:
+def _causes(
+    found: Found, named: Sequence[list[Ranked]], fit: Fit, gain: Gain, struck: Sequence[Mask]
+) -> list[NamedCause]:
     """Describe the named causes."""
     problem = found.problem
     ranges = intervals(problem, fit, found.spread)
@@ -162,7 +165,7 @@ def _causes(found: Found, named: Sequence[list[Ranked]], fit: Fit, gain: Gain) -
         share = gain.gain
         if len(named) > 1:
             rest = Fit(tuple(a for i, a in enumerate(fit.effects) if i != k), 0.0, 0.0)
-            share = max(gain.gain - held_out_gain(problem, rest).gain, 0.0)
+            share = max(gain.gain - held_out_gain(problem, rest, struck).gain, 0.0)
         effect = applied.effect
         causes.append(
             NamedCause(

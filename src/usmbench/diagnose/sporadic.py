@@ -51,11 +51,14 @@ class Sporadic:
         The cause for the result.
     deviance
         Square of the windows that stand alone, over the noise's.
+    struck
+        These windows, by stretch, shape (N,) each.
     """
 
     applied: Applied
     named: NamedCause
     deviance: float
+    struck: tuple[Mask, ...]
 
 
 def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -> Sporadic | None:
@@ -107,7 +110,8 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
         p_value,
         share,
     )
-    return Sporadic(Applied(effect, {e.name: e.value for e in estimates}), named, deviance)
+    applied = Applied(effect, {e.name: e.value for e in estimates})
+    return Sporadic(applied, named, deviance, tuple(far))
 
 
 def left_unnamed(problem: Problem, effects: Sequence[Applied], spread: float) -> list[str]:
@@ -125,7 +129,7 @@ def left_unnamed(problem: Problem, effects: Sequence[Applied], spread: float) ->
     Returns
     -------
     list of str
-        A warning for each stretch that has such windows while its motor runs steadily.
+        A warning for each stretch that has such windows, for no move of its motor.
     """
     found = []
     left = problem.left_rad_s(effects)
@@ -152,11 +156,8 @@ def _plain(
 
     Where the motor moves, these are windows off by more than it may be for coming sooner or later.
     """
-    calm, moved = (
-        [steady(s) for s in problem.stretches],
-        [moved_rad_s(s) for s in problem.stretches],
-    )
-    size = [np.abs(r) for r in left]
+    calm = [steady(s) for s in problem.stretches]
+    moved, size = [moved_rad_s(s) for s in problem.stretches], [np.abs(r) for r in left]
     large = [f & (r > m) for f, r, m in zip(far, size, moved, strict=True)]
     alone = [f & (c | b) for f, c, b in zip(far, calm, large, strict=True)]
     if any(b.any() for b in large):

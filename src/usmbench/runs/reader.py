@@ -20,7 +20,6 @@ from usmbench.runs.meta import read_meta
 from usmbench.runs.record import Column, Pairs, Record
 from usmbench.runs.time_step import UNKNOWN_S, usual_step_s
 
-# The paper's window, where nothing says otherwise.
 _NEEDED = ("phase_deg", "speed_rad_s")
 _OPTIONAL = ("frequency_hz", "torque_nm", "angle_rad", "sweep", "settled")
 _KNOWN = ("t_s", *_NEEDED, "window_s", *_OPTIONAL, TEMPERATURE_COLUMN)
@@ -115,10 +114,10 @@ def _window_s(path: Path, table: Table, columns: dict[str, Column], meta: dict[s
     """Return the duration of each window, from the best source there is."""
     window_s = columns.get("window_s")
     if window_s is None:
-        said_s = _said_window_s(path, meta)
-        if said_s is None:
-            said_s = usual_step_s(columns["t_s"]) if "t_s" in columns else UNKNOWN_S
-        window_s = np.full(len(columns["phase_deg"]), said_s)
+        usual_s = _said_window_s(path, meta)
+        if usual_s is None:
+            usual_s = usual_step_s(columns["t_s"]) if "t_s" in columns else UNKNOWN_S
+        window_s = np.full(len(columns["phase_deg"]), usual_s)
     wrong = np.flatnonzero(window_s <= 0.0)
     if len(wrong) and "window_s" in columns:
         raise InputError(

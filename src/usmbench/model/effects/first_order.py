@@ -57,7 +57,8 @@ def lag_coefficients(
 
     A step at the start of a window acts for u in the window in which the delay ends, which then
     averages s_0 = u/T − (τ/T)(1 − exp(−u/τ)) and ends at 1 − exp(−u/τ); in each window after, the
-    distance to the end shrinks by p = exp(−T/τ). That is the difference equation with a_1 = −p and
+    distance to the end shrinks by p = exp(−T/τ). One that acts since before the window averages
+    s_0 = 1 − (τ/T)(1 − p) exp((T − u)/τ). That is the difference equation with a_1 = −p and
     three b; of speeds at the ends of windows two, and without a delay one, the paper's with
     n_a = 1, n_b = 0.
 
@@ -102,10 +103,10 @@ def lag_of(linear: LinearPart, window_s: float) -> Lag | None:
     if tau_s is None or delay_s is None or linear.a.size != 1:
         return None
     lags = []
-    if delay_s > -min(_SAME * window_s, tau_s):
+    if delay_s > -min(SOONER * window_s, tau_s):
         # What comes before the window is in no mean delay.
         sooner_s = tau_s * math.log1p(delay_s / tau_s) if delay_s < 0.0 else delay_s
-        lags.append(Lag(tau_s, max(sooner_s, -SOONER * window_s)))
+        lags.append(Lag(tau_s, sooner_s))
     pole, left = -float(linear.a[0]), 1.0 - float(linear.b[0])
     if pole - _SAME < left < 1.0:
         acts_s = min(-tau_s * math.log(max(left, pole)), window_s)

@@ -20,7 +20,11 @@ from usmbench.model.effects.first_order import (
     true_dead_time_s,
 )
 from usmbench.model.effects.phase_offset import PhaseOffset
-from usmbench.model.effects.phase_quantisation import RoundedPhase, TruncatedPhase
+from usmbench.model.effects.phase_quantisation import (
+    PhaseCutToZero,
+    RoundedPhase,
+    TruncatedPhase,
+)
 from usmbench.model.effects.shaft_compliance import ShaftCompliance, SwingingLoad
 from usmbench.model.effects.slow_dynamics import SlowDynamics
 from usmbench.model.effects.transport_delay import TransportDelay
@@ -92,6 +96,8 @@ def test_a_register_rounds_or_cuts_off() -> None:
     cut = TruncatedPhase().apply(phase_deg, _context(4), {"step_deg": 4.0})
     assert np.allclose(rounded, [-8.0, 0.0, 4.0, 12.0])
     assert np.allclose(cut, [-8.0, 0.0, 0.0, 8.0])
+    to_zero = PhaseCutToZero().apply(np.r_[phase_deg, -8.0], _context(5), {"step_deg": 4.0})
+    assert np.allclose(to_zero, [-4.0, 0.0, 0.0, 8.0, -8.0])
 
 
 def test_what_shifts_the_voltages_acts_behind_the_register() -> None:
