@@ -16,7 +16,8 @@ Array = NDArray[np.float64]
 
 _ZOOM_ROUNDS, _JAGGED_ROUNDS = 2, 5
 _ZOOM_POINTS = 7
-_AT_ONCE = 64  # columns carried together
+_AT_ONCE = 32  # columns carried together
+_SLIGHT = 0.1  # of the speed: beside what changes less, another cause does what it does alone
 _TAIL = 1.0  # roughness that is worth the tail at one point, or more, from a statistic of 6 on
 
 Rate = Callable[[float, Array], float]  # what a drop and its unit column are worth
@@ -40,7 +41,7 @@ def fit_effect(problem: Problem, effect: Effect, given: Sequence[Applied] = ()) 
     if scanned:
         values, drop, roughness = search.scan(scanned, sized)
     else:
-        ((values, drop, _),), roughness = search.best([{}], sized), 0.0
+        (values, drop), roughness = search.exactly({}, sized), 0.0
     return Fit((*given, Applied(effect, values)), drop, roughness)
 
 
@@ -101,25 +102,40 @@ class _Search:
         self._base = problem.change_rad_s(given) if given else None
         self._left = problem.left(given)
 
-    def columns(self, points: Sequence[Mapping[str, float]]) -> Array:
-        """Return the carried changes that the effect makes at each point, shape (M, points)."""
+    def _beside_little(self) -> bool:
+        """Whether the effects given change the speed so little that each acts as if alone."""
+        if self._base is None:
+            return False
+        speeds = [s.simulated_rad_s for s in self._problem.stretches]
+        changed, all_of_it = (np.linalg.norm(np.concatenate(x)) for x in (self._base, speeds))
+        return bool(changed < _SLIGHT * all_of_it)
+
+    def columns(self, points: Sequence[Mapping[str, float]], *, alone: bool = False) -> Array:
+        """Return the carried changes that the effect makes at each point, shape (M, points).
+
+        What it makes of a run without those given is at hand where it was scanned before.
+        """
+        given, base = ((), None) if alone else (self._given, self._base)
         changes = [
-            self._problem.change_rad_s((*self._given, Applied(self._effect, values)))
-            for values in points
+            self._problem.change_rad_s((*given, Applied(self._effect, values))) for values in points
         ]
         parts = [np.column_stack(part) for part in zip(*changes, strict=True)]
-        if self._base is not None:
-            parts = [part - base[:, None] for part, base in zip(parts, self._base, strict=True)]
+        if base is not None:
+            parts = [part - b[:, None] for part, b in zip(parts, base, strict=True)]
         return self._problem.carried(parts)
 
     def best(
-        self, shapes: Sequence[Mapping[str, float]], sized: Sequence[Parameter]
+        self,
+        shapes: Sequence[Mapping[str, float]],
+        sized: Sequence[Parameter],
+        *,
+        alone: bool = False,
     ) -> Iterator[tuple[dict[str, float], float, Array]]:
         """Yield the best values at each shape, the drop they bring, and the unit column."""
         for at in range(0, len(shapes), _AT_ONCE):
             chunk = shapes[at : at + _AT_ONCE]
             if not sized:
-                columns = self.columns(chunk)
+                columns = self.columns(chunk, alone=alone)
                 drops = 2.0 * (self._left @ columns) - np.sum(columns**2, axis=0)
                 for shape, drop, column in zip(chunk, drops, columns.T, strict=True):
                     yield dict(shape), float(drop), column
@@ -129,7 +145,7 @@ class _Search:
                 {**shape, **nulls, p.name: p.null + p.typical} for shape in chunk for p in sized
             ]
             typical = np.tile([p.typical for p in sized], len(chunk))
-            columns = self.columns(points) / typical
+            columns = self.columns(points, alone=alone) / typical
             for k, shape in enumerate(chunk):
                 own = columns[:, k * len(sized) : (k + 1) * len(sized)]
                 yield *self._sized(shape, sized, own), own[:, 0]
@@ -158,7 +174,8 @@ class _Search:
         best: tuple[dict[str, float], float] | None = None
         near: tuple[dict[str, float], float] = ({}, 0.0)
         turned, reached, before = 0.0, 0.0, None
-        for values, drop, column in self.best(shapes, sized):
+        alone = self._beside_little()
+        for values, drop, column in self.best(shapes, sized, alone=alone):
             size = float(np.linalg.norm(column))
             if size > 1e-9:
                 unit = column / size
@@ -171,6 +188,8 @@ class _Search:
                 near = max(near, (values, _matched(drop, column)), key=lambda found: found[1])
         if best is None:
             raise ValueError(f"{self._effect.name}: the grid of its scanned parameters is empty")
+        if alone:
+            best = self.exactly({p.name: best[0][p.name] for p in scanned}, sized)
         if near[1] > 0.0:
             best = max(best, self._caught(near, scanned), key=lambda found: found[1])
         if sized or self._effect.jagged:
@@ -188,7 +207,13 @@ class _Search:
         """Close in on what the scan of a jagged effect came near; return the drop there."""
         for p, axis in zip(scanned, self.axes(scanned), strict=True):
             near = self.zoomed(near, p, axis, scanned, (), _matched)
-        ((values, drop, _),) = self.best([near[0]], ())
+        return self.exactly(near[0], ())
+
+    def exactly(
+        self, shape: Mapping[str, float], sized: Sequence[Parameter]
+    ) -> tuple[dict[str, float], float]:
+        """Return the best values at one shape beside what is given, and the drop they bring."""
+        ((values, drop, _),) = self.best([shape], sized)
         return values, drop
 
     def zoomed(
