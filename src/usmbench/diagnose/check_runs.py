@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel
+from usmbench.model.same_windows import check_windows
 from usmbench.runs.check_record import check_numbers
 from usmbench.runs.record import Record
 
-_RATE_TOLERANCE = 1e-3
 _FEWEST_WINDOWS = 60
 
 
@@ -35,12 +35,7 @@ def check_run(record: Record, model: HammersteinModel) -> None:
             f"{record.name}: {record.t_s.size} windows say nothing about causes; measure at least "
             f"{_FEWEST_WINDOWS}"
         )
-    window_s, model_s = float(np.median(record.window_s)), model.linear.window_s
-    if model_s is not None and abs(window_s / model_s - 1.0) > _RATE_TOLERANCE:
-        raise InputError(
-            f"{record.name} has windows of {1e3 * window_s:g} ms, the model was identified on "
-            f"{1e3 * model_s:g} ms; identify it on a run with the same windows"
-        )
+    check_windows(record.name, float(np.median(record.window_s)), model.linear)
 
 
 def check_motors(records: Sequence[Record]) -> None:

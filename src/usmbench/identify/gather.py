@@ -11,12 +11,12 @@ from usmbench.errors import InputError
 from usmbench.identify.data import Dataset, FittedRun, Point, Segment, describe
 from usmbench.runs.check_record import check_numbers
 from usmbench.runs.record import Record
+from usmbench.runs.time_step import alike
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 _GAP = 1.5  # a step of the clock beyond so many windows is a break in the record
-_RATE_TOLERANCE = 1e-3
 
 
 def from_windows(records: Sequence[Record]) -> Dataset:
@@ -205,7 +205,7 @@ def _known(value: np.float64) -> float | None:
 def _check_window(record: Record, first_name: str, window_s: float) -> None:
     """Refuse a run whose windows differ from the first's."""
     own_s = float(np.median(record.window_s))
-    if abs(own_s / window_s - 1.0) > _RATE_TOLERANCE:
+    if not alike(own_s, window_s):
         raise InputError(
             f"{record.name} has windows of {1e3 * own_s:g} ms and {first_name} of "
             f"{1e3 * window_s:g} ms; identify runs of one window length at a time"

@@ -8,12 +8,11 @@ import numpy as np
 from usmbench.errors import InputError
 from usmbench.model.effects.base import middle_rad
 from usmbench.model.hammerstein import HammersteinModel
+from usmbench.model.same_windows import check_windows
 from usmbench.model.scores import fit_percent, rmse
 from usmbench.model.simulate import Simulation, simulate
 from usmbench.runs.check_record import check_numbers
 from usmbench.runs.record import Column, Record
-
-_RATE_TOLERANCE = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,15 +110,9 @@ def middle_angle_rad(record: Record) -> Column:
 
 def _check_windows(record: Record, model: HammersteinModel) -> list[str]:
     """Refuse windows of another length; warn where the model has no time step."""
-    window_s = float(np.median(record.window_s))
-    model_s = model.linear.window_s
-    if model_s is None:
+    check_windows(record.name, float(np.median(record.window_s)), model.linear)
+    if model.linear.window_s is None:
         return ["the model was identified on settled pairs: its dynamics have no time step"]
-    if abs(window_s / model_s - 1.0) > _RATE_TOLERANCE:
-        raise InputError(
-            f"{record.name} has windows of {1e3 * window_s:g} ms, the model was identified on "
-            f"{1e3 * model_s:g} ms; identify it on a run with the same windows"
-        )
     return []
 
 

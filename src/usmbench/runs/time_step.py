@@ -5,6 +5,8 @@ import numpy as np
 from usmbench.runs.record import Column
 
 UNKNOWN_S = 0.01  # the paper's windows, where a single row tells nothing
+# Clocks that jitter differ by a part in a thousand; by this, a lag's exp(−T/τ) by 0.005/e at most.
+_ALIKE = 5e-3
 _NEAR = (0.5, 1.5)  # of the median: what is outside is a break in the record
 
 
@@ -26,3 +28,14 @@ def usual_step_s(t_s: Column) -> float:
     low_s, high_s = np.multiply(_NEAR, middle_s)
     near = (steps_s >= low_s) & (steps_s <= high_s)
     return float(np.mean(steps_s[near])) if near.any() else middle_s
+
+
+def alike(window_s: float, other_s: float) -> bool:
+    """Return whether two durations of windows are the same but for what clocks jitter.
+
+    Parameters
+    ----------
+    window_s, other_s
+        The durations.
+    """
+    return abs(window_s / other_s - 1.0) <= _ALIKE

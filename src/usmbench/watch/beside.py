@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.operating_points import point_weights
+from usmbench.model.same_windows import check_windows
 from usmbench.model.simulate import simulate
 
 Array = NDArray[np.float64]
@@ -17,7 +17,6 @@ Array = NDArray[np.float64]
 LEAD_ROWS = 500
 CURVE_STEP_DEG = 1.0
 _TWO_SIDED = 1.96
-_RATE_TOLERANCE = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,12 +77,7 @@ class SimulationBeside:
     """
 
     def __init__(self, model: HammersteinModel, window_s: float, name: str):
-        model_s = model.linear.window_s
-        if model_s is not None and abs(window_s / model_s - 1.0) > _RATE_TOLERANCE:
-            raise InputError(
-                f"{name} has windows of {1e3 * window_s:g} ms, the model was identified on "
-                f"{1e3 * model_s:g} ms; identify it on a run with the same windows"
-            )
+        check_windows(name, window_s, model.linear)
         self._model = model
         self._window_s = window_s
         self._lead: list[Array] | None = None

@@ -1,0 +1,29 @@
+"""Whether a run has the windows that a model's dynamics were identified on."""
+
+from usmbench.errors import InputError
+from usmbench.model.hammerstein import LinearPart
+from usmbench.runs.time_step import alike
+
+
+def check_windows(name: str, window_s: float, linear: LinearPart) -> None:
+    """Refuse windows of another duration than the model's.
+
+    Parameters
+    ----------
+    name
+        The run's name, for the message.
+    window_s
+        Duration of its windows.
+    linear
+        The model's linear part; one without a time step takes any.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        The model was identified on windows of another duration.
+    """
+    if linear.window_s is not None and not alike(window_s, linear.window_s):
+        raise InputError(
+            f"{name} has windows of {1e3 * window_s:g} ms, the model was identified on "
+            f"{1e3 * linear.window_s:g} ms; identify it on a run with the same windows"
+        )
