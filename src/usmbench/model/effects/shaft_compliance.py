@@ -2,15 +2,19 @@
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
-from scipy.signal import cont2discrete, lfilter
+from scipy.linalg import companion, expm
+from scipy.signal import lfilter, ss2tf
 
 from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
 from usmbench.model.linear import time_constant_s
 
-_SUBSTEPS = 8
+Filter = tuple[Array, Array]
+
+_KEPT = 1024  # filters: one serves all stretches of a run, and many runs with the same values
 _REST = 0.01  # of the highest speed
 _SHORTEST = 2.0  # windows a period: what swings faster looks like any ripple
 _MEND = "Tighten or stiffen the coupling between motor and disc; look for a cracked helix."
@@ -23,8 +27,8 @@ _SHAPE = (
 class ShaftCompliance(Effect):
     """The disc follows the rotor as ω_n²/(s² + 2ζω_n s + ω_n²): it rings after every step.
 
-    Integrated exactly over parts of a window through which the rotor's speed is held, then
-    averaged over the window, as the counter does.
+    The rotor's speed is held through each window, and the disc's is averaged over it, as the
+    counter does.
     """
 
     name = "shaft_compliance"
@@ -43,9 +47,8 @@ class ShaftCompliance(Effect):
         """
         if values["period_s"] < _SHORTEST * context.window_s:
             return signal
-        step_s = context.window_s / _SUBSTEPS
-        b, a = _held(2.0 * math.pi / values["period_s"], values["damping"], step_s)
-        return np.asarray(signal[0] + _averaged(b, a, signal - signal[0]))
+        ringing = _ringing(values["period_s"], values["damping"], context.window_s)
+        return np.asarray(signal[0] + lfilter(*ringing, signal - signal[0]))
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
         """Return periods from the shortest that windows show to thirty of them.
@@ -62,24 +65,41 @@ class ShaftCompliance(Effect):
         }
 
 
-def _held(natural_rad_s: float, damping: float, step_s: float) -> tuple[Array, Array]:
-    """Difference equation of the second-order lag for an input held through each step."""
-    fall = math.exp(-damping * natural_rad_s * step_s)
-    ratio = damping / math.sqrt(1.0 - damping**2)
-    turn = natural_rad_s * math.sqrt(1.0 - damping**2) * step_s
-    cosine, sine = math.cos(turn), math.sin(turn)
-    b1 = 1.0 - fall * (cosine + ratio * sine)
-    b2 = fall * fall + fall * (ratio * sine - cosine)
-    return np.array([0.0, b1, b2]), np.array([1.0, -2.0 * fall * cosine, fall * fall])
+@lru_cache(_KEPT)
+def _ringing(period_s: float, damping: float, window_s: float) -> Filter:
+    """Filter of the second-order lag, window by window."""
+    natural_rad_s = 2.0 * math.pi / period_s
+    swing = np.array([1.0, 2.0 * damping * natural_rad_s, natural_rad_s**2])
+    return _averaged(swing[2:], swing, window_s)
 
 
-def _averaged(b: Array, a: Array, signal: Array) -> Array:
-    """Filter a signal held through parts of a window, and average over the window."""
-    held = np.append(np.repeat(signal, _SUBSTEPS), signal[-1])
-    at_ends = lfilter(b, a, held)
-    middle = 0.5 * (at_ends[:-1] + at_ends[1:])
-    mean: Array = middle.reshape(-1, _SUBSTEPS).mean(axis=1)
-    return mean
+@lru_cache(_KEPT)
+def _swinging(
+    load_share: float, tau_s: float, period_s: float, damping: float, window_s: float
+) -> Filter:
+    """Filter from the rotor's speed to what a swinging load takes from it."""
+    natural_rad_s = 2.0 * math.pi / period_s
+    swing = np.array([1.0, 2.0 * damping * natural_rad_s, natural_rad_s**2])
+    pull = load_share * tau_s * np.array([swing[1], swing[2], 0.0])
+    both = np.convolve(swing, [tau_s, 1.0])
+    both[1:] += pull
+    return _averaged(pull, both, window_s)
+
+
+def _averaged(numerator: Array, denominator: Array, window_s: float) -> Filter:
+    """Filter from an input held through each window to the output's mean over it, exactly.
+
+    The exponential of x′ = A x + B u, u′ = 0, z′ = C x carries state and integral over a window.
+    """
+    n = denominator.size - 1
+    rates = np.zeros((n + 2, n + 2))
+    rates[:n, :n] = companion(denominator)
+    rates[0, n] = 1.0 / denominator[0]
+    rates[n + 1, n - numerator.size : n] = numerator
+    over = expm(window_s * rates)
+    turned = over[n + 1] / window_s
+    b, a = ss2tf(over[:n, :n], over[:n, n : n + 1], turned[None, :n], turned[None, n : n + 1])
+    return np.ravel(b), a
 
 
 class SwingingLoad(ShaftCompliance):
@@ -106,12 +126,8 @@ class SwingingLoad(ShaftCompliance):
         seen = values["period_s"] >= _SHORTEST * context.window_s
         if not seen or values["load_share"] <= 0.0 or not tau_s:
             return signal
-        natural, damping = 2.0 * math.pi / values["period_s"], values["damping"]
-        swing = np.array([1.0, 2.0 * damping * natural, natural**2])
-        pull = values["load_share"] * tau_s * np.array([2.0 * damping * natural, natural**2, 0.0])
-        both = np.polyadd(np.convolve(swing, [tau_s, 1.0]), pull)
-        b, a, _ = cont2discrete((pull, both), context.window_s / _SUBSTEPS)
-        taken = _averaged(np.ravel(b), a, signal - signal[0])
+        shape = (values["period_s"], values["damping"], context.window_s)
+        taken = lfilter(*_swinging(values["load_share"], tau_s, *shape), signal - signal[0])
         moved: Array = np.where(_at_rest(signal, context), 0.0, taken)
         return signal - moved
 
