@@ -19,6 +19,7 @@ FOLDS = 5
 _BLOCKS = 40
 _MOST_ROWS = 4000
 _FEWEST_DWELLS, _FEWEST_PHASES = 10, 10
+_LEVELS, _MOST_OF_THEM = 60, 0.9  # phases of a staircase, at most; a reference that glides has more
 _STANDING_SPEED = 0.002  # of the highest: less is standstill
 _BY_CHANCE = 3.0  # standard errors of a median: less is standstill, too
 _WILD_SCALES, _WILD_SHARE = 10.0, 0.1  # of the residual's scale, of the highest speed
@@ -40,6 +41,10 @@ class CurveRows:
         Root of the weight of each sample, shaped as the speeds.
     standing_deg
         Lowest and highest phase about 0 at which a dwell stood; None where fewer than two did.
+    scatter_rad_s
+        Root mean square of samples about their mean at the same phase; no curve follows it.
+    mean_error_rad_s
+        Standard error of such a mean.
     """
 
     phase_deg: tuple[Array, ...]
@@ -48,6 +53,8 @@ class CurveRows:
     dynamics: Dynamics
     weight: tuple[Array, ...]
     standing_deg: tuple[float, float] | None = None
+    scatter_rad_s: float = 0.0
+    mean_error_rad_s: float = 0.0
 
     def stand_for(self, rows: int) -> int:
         """Return for how many rows of a record a smoothness chosen here holds.
@@ -69,7 +76,7 @@ class CurveRows:
 def curve_rows(data: Dataset, point: int, rough: Projected) -> CurveRows:
     """Gather the samples on which a point's curve is chosen.
 
-    Where dwells settle, at ten of the phases or at half of few, each gives its median settled
+    Where dwells settle, at most of few phases or at ten of many, each gives its median settled
     speed, and neighbouring phases are held out together; else blocks of the record are held out.
 
     Parameters
@@ -85,10 +92,12 @@ def curve_rows(data: Dataset, point: int, rough: Projected) -> CurveRows:
     dynamics = rough.fit.dynamics
     forget = memory_windows(dynamics.linear_part(None))
     phases, speeds, error_rad_s = _dwell_medians(data, point, forget)
-    few = np.unique(data.phase_deg(point)).size / 2.0
-    if phases.size >= _FEWEST_DWELLS and np.unique(phases).size >= min(_FEWEST_PHASES, few):
+    levels = np.unique(data.phase_deg(point)).size
+    fewest = _MOST_OF_THEM * levels if levels <= _LEVELS else _FEWEST_PHASES
+    if phases.size >= _FEWEST_DWELLS and np.unique(phases).size >= fewest:
         fold, standing = _phase_folds(phases), _standing_deg(phases, speeds, error_rad_s)
-        return CurveRows((phases,), (speeds,), (fold,), NONE, (np.ones(fold.size),), standing)
+        weight, scatter = np.ones(fold.size), _scatter(phases, speeds, error_rad_s)
+        return CurveRows((phases,), (speeds,), (fold,), NONE, (weight,), standing, *scatter)
     chosen = [k for k, s in enumerate(data.segments) if s.point == point]
     pieces = [data.segments[k] for k in chosen]
     wild = _wild([rough.fit.residual_rad_s[k] for k in chosen], pieces)
@@ -133,6 +142,15 @@ def _dwell_medians(data: Dataset, point: int, forget: int) -> tuple[Array, Array
                 speeds.append(np.median(settled_rad_s))
                 errors.append(np.std(settled_rad_s) / np.sqrt(settled_rad_s.size))
     return np.array(phases), np.array(speeds), float(np.median(errors[1:] or errors))
+
+
+def _scatter(phase_deg: Array, speed_rad_s: Array, error_rad_s: float) -> tuple[float, float]:
+    """Scatter of dwells about their mean at the same phase, and a mean's standard error."""
+    distinct, place, counts = np.unique(phase_deg, return_inverse=True, return_counts=True)
+    means = np.bincount(place, weights=speed_rad_s) / counts
+    scatter_rad_s = float(np.sqrt(np.mean((speed_rad_s - means[place]) ** 2)))
+    each_rad_s = max(error_rad_s, scatter_rad_s)
+    return scatter_rad_s, each_rad_s * float(np.sqrt(distinct.size / phase_deg.size))
 
 
 def _standing_deg(

@@ -29,6 +29,7 @@ _WIDTHS = (0.005, 0.01, 0.025, 0.06)  # of the range of phases
 _MIDDLE_DEGREE, _BEST = 24, 3  # how knots are gathered is compared at one degree first
 _HIGH_DEGREE = 30  # beyond it only as long as a higher one is better
 _STANDING_ROWS, _STANDING_WEIGHT = 25, 0.1
+_MEANS, _CLOSEST = 3.0, 1.1  # standard errors of a mean, least misfits: a curve that meets them
 _SIMPLER = 1.02  # a candidate must beat a simpler one by this factor
 
 
@@ -44,11 +45,14 @@ class Choice:
         Strength of the pull on the second differences of δ; see `prior_rows`.
     held_out_rad_s
         Root mean square error on the held-out samples.
+    misfit_rad_s
+        Root mean square error at the phases that it was fitted to, beyond what samples scatter.
     """
 
     knots_deg: Array
     stiffness: float
     held_out_rad_s: float
+    misfit_rad_s: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,17 +128,28 @@ def choose_curve(
     ways = [_Gathering(*way) for way in product(bends_deg, _SHARES, _WIDTHS)]
     judged = [judge_knots(rows, way.knots_deg(span_deg, middle)).held_out_rad_s for way in ways]
     kept = [_EVEN, *(ways[k] for k in np.argsort(judged, kind="stable")[:_BEST])]
-    best: Choice | None = None
+    tried: list[Choice] = []
     for degree in degrees:
-        before = best
+        fewer = len(tried)
         for way in kept:
-            for choice in _judged(rows, way.knots_deg(span_deg, degree), STIFFNESSES):
-                if best is None or _SIMPLER * choice.held_out_rad_s < best.held_out_rad_s:
-                    best = choice
-        if degree > _HIGH_DEGREE and best is before:
+            tried += _judged(rows, way.knots_deg(span_deg, degree), STIFFNESSES)
+        if degree > _HIGH_DEGREE and _best(rows, tried) is _best(rows, tried[:fewer]):
             break
-    if best is None:
-        raise ValueError("no degree to choose from")
+    return _best(rows, tried)
+
+
+def _best(rows: CurveRows, tried: Sequence[Choice]) -> Choice:
+    """Return the choice that predicts best, the first among equals.
+
+    Where few phases are held, the next one is no guide to another: a curve has to meet those that
+    it was fitted to first.
+    """
+    met = _MEANS * rows.mean_error_rad_s, _CLOSEST * min(choice.misfit_rad_s for choice in tried)
+    able = [choice for choice in tried if choice.misfit_rad_s <= max(met)]
+    best = able[0]
+    for choice in able:
+        if _SIMPLER * choice.held_out_rad_s < best.held_out_rad_s:
+            best = choice
     return best
 
 
@@ -173,15 +188,22 @@ def _judged(rows: CurveRows, knots_deg: Array, stiffnesses: Sequence[float]) -> 
     factors, fixed = _fold_factors(rows, knots_deg)
     n = sum(int(np.count_nonzero(f >= 0)) for f in rows.fold)
     trained = [triangle(fixed, *factors[:k], *factors[k + 1 :]) for k in range(FOLDS)]
+    every = triangle(fixed, *factors)
     pulls = [prior_rows(knots_deg, s, rows.standing_deg, n) for s in stiffnesses]
     choices = []
-    for stiffness, deltas in zip(stiffnesses, _solved(trained, pulls), strict=True):
-        sse = 0.0
-        for factor, delta in zip(factors, deltas, strict=True):
-            left = factor[:, -1] - factor[:, :-1] @ delta
-            sse += float(left @ left)
-        choices.append(Choice(knots_deg, stiffness, float(np.sqrt(sse / max(n, 1)))))
+    for stiffness, deltas in zip(stiffnesses, _solved([*trained, every], pulls), strict=True):
+        unseen = sum(map(_square, factors, deltas[:-1]))
+        own = _square(every, deltas[-1]) / sum(int(np.count_nonzero(f >= -1)) for f in rows.fold)
+        misfit_rad_s = float(np.sqrt(max(own - rows.scatter_rad_s**2, 0.0)))
+        held_out_rad_s = float(np.sqrt(unseen / max(n, 1)))
+        choices.append(Choice(knots_deg, stiffness, held_out_rad_s, misfit_rad_s))
     return choices
+
+
+def _square(factor: Array, delta: Array) -> float:
+    """Square of what a curve leaves of the rows of a factor."""
+    left = factor[:, -1] - factor[:, :-1] @ delta
+    return float(left @ left)
 
 
 def _solved(factors: Sequence[Array], pulls: Sequence[Array]) -> Array:

@@ -2,12 +2,18 @@
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from benchmarks.plain_motor import Wrong, motor_of, speed_rad_s
 from benchmarks.plain_runs import plan_deg
 from usmbench.identify.dynamics import NONE
+from usmbench.identify.fast import identify_fast
 from usmbench.identify.gather import from_windows
 from usmbench.identify.shape import FastOptions, Shape, rough_fit, settle_shape
+from usmbench.model.effects.first_order import first_order
+from usmbench.model.linear import free_run
 from usmbench.runs.record import Record
 
 
@@ -49,3 +55,27 @@ def test_a_motor_that_stands_in_noise_stands() -> None:
     edges_deg = motor_of(np.random.default_rng(9)).edges_deg
     stands = phases[(phases > -edges_deg[0]) & (phases < edges_deg[1])]
     assert standing_deg == (stands[0], stands[-1])
+
+
+@pytest.mark.parametrize(
+    ("levels_deg", "held"),
+    [(np.linspace(-90.0, 90.0, 25), 5), (np.array([-180.0, 45.0, 90.0, 175.0, 180.0]), 20)],
+    ids=["a random telegraph, few of whose dwells settle", "few phases all around"],
+)
+@given(seed=st.integers(0, 999))
+@settings(max_examples=6, deadline=None)
+def test_a_curve_meets_the_few_phases_that_were_driven(
+    levels_deg: NDArray[np.float64], held: int, seed: int
+) -> None:
+    rng = np.random.default_rng(seed)
+    n, window_s, noise_rad_s = 6000, 0.01, 0.03
+    phase_deg = np.repeat(rng.choice(levels_deg, n // held), held)
+    drive = np.sin(np.radians(phase_deg))
+    settled = 14.0 * np.sign(drive) * np.maximum(np.abs(drive) - 0.3, 0.0)
+    speed = free_run(first_order(0.0035, 0.0015, window_s), settled)
+    noisy = speed + noise_rad_s * rng.standard_normal(n)
+    t_s = window_s * np.arange(1.0, n + 1.0)
+    run = Record("run", t_s, phase_deg, noisy, np.full(n, window_s))
+    curve = identify_fast([run], FastOptions()).model.points[0].curve
+    found, place = np.unique(phase_deg, return_index=True)
+    assert curve.speed_rad_s(found) == pytest.approx(settled[place], abs=noise_rad_s)
