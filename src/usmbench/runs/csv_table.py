@@ -65,7 +65,7 @@ def read_table(
         Columns that hold numbers; any other may hold text.
     whole_rows
         Whether a last row without a line end is known to be torn, as in a file that a sweep writes.
-        Else it is dropped only where it has too few fields.
+        Else it is dropped only where it shows: too few fields, or the beginning of a number.
     may_be_empty
         Whether a file without rows will do.
 
@@ -141,7 +141,7 @@ def _row_by_row(
                 lines.append(reader.line_num)
     except csv.Error as error:
         raise InputError(f"not CSV: {error}", file=path, line=reader.line_num) from error
-    if cells and len(cells[-1]) < len(names) and not text.endswith("\n"):
+    if cells and not text.endswith("\n") and _torn(cells[-1], names, numbers):
         cells.pop()
     for row, line in zip(cells, lines, strict=False):
         if len(row) != len(names):
@@ -155,6 +155,12 @@ def _row_by_row(
         values = [row[i].strip() for row in cells]
         columns[name] = _column(path, name, values, lines, is_number=name in numbers)
     return columns
+
+
+def _torn(row: list[str], names: list[str], numbers: Collection[str]) -> bool:
+    """Whether a last row without a line end breaks off: early, or before a number's digits."""
+    broken = names[len(row) - 1] in numbers and _number(row[-1].strip()) is None
+    return len(row) < len(names) or (len(row) == len(names) and broken)
 
 
 def _column(

@@ -137,6 +137,19 @@ def test_a_run_cut_anywhere_is_read_to_its_last_whole_row(
             read_run(folder)
 
 
+@pytest.mark.parametrize("torn", ["", "2", "20", "20,", "20,-", "20,+", "20,.", "20,1e", "20,1e-"])
+def test_a_bare_csv_that_breaks_off_is_read_to_its_last_whole_row(
+    tmp_path: Path, torn: str
+) -> None:
+    run = read_run(csv_file(tmp_path, f"phase_deg,speed_rad_s\n10,1\n10,2\n{torn}"))
+    assert run.speed_rad_s.tolist() == [1.0, 2.0]
+
+
+def test_a_last_row_without_a_number_is_named_where_the_line_ends(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r":3: speed_rad_s is '-'"):
+        read_run(csv_file(tmp_path, "phase_deg,speed_rad_s\n10,1\n20,-\n"))
+
+
 def test_a_bare_csv_gets_time_windows_and_pairs(tmp_path: Path) -> None:
     run = read_run(csv_file(tmp_path, "phase_deg,speed_rad_s\n10,1\n10,2\n10,3\n20,5\n20,6\n20,7"))
     assert run.t_s == pytest.approx(0.01 * np.arange(1, 7))
