@@ -128,8 +128,8 @@ def _report(
     gain = held_out_gain(problem, fit, struck)
     causes = [] if not named else _causes(found, named, fit, gain, struck)
     if sporadic is not None:
-        first = named[0][0].statistic if named else 0.0
-        strongest = sporadic.deviance > first * found.spread**2
+        most = max((ranking[0].statistic for ranking in named), default=0.0)
+        strongest = sporadic.deviance > most * found.spread**2
         causes.insert(0 if strongest else len(causes), sporadic.named)
     views = residual_views(problem, left, found.spread)
     remainder = None if says in ("no_discrepancy", "explained") else describe(views, found.spread)
@@ -157,7 +157,7 @@ def _report(
 def _causes(
     found: Found, named: Sequence[list[Ranked]], fit: Fit, gain: Gain, struck: Sequence[Mask]
 ) -> list[NamedCause]:
-    """Describe the named causes."""
+    """Describe the named causes, those that explain most of unseen blocks first."""
     problem = found.problem
     ranges = intervals(problem, fit, found.spread)
     causes = []
@@ -179,7 +179,7 @@ def _causes(
                 share,
             )
         )
-    return causes
+    return sorted(causes, key=lambda cause: -cause.gain)
 
 
 def _estimates(applied: Applied, ranges: dict[str, tuple[float, float]]) -> tuple[Estimate, ...]:

@@ -57,6 +57,14 @@ def test_names_what_was_hidden(
         assert sizes[parameter].value == pytest.approx(hidden.values[parameter], rel=0.1)
 
 
+def test_the_strongest_cause_comes_first(model: HammersteinModel) -> None:
+    weak = applied("gain_asymmetry", "balanced", asymmetry=0.006)
+    strong = applied("phase_quantisation", "rounded", step_deg=9.0)
+    found = diagnose([measured(7, weak, strong)], model)
+    assert [cause.name for cause in found.causes] == ["phase_quantisation", "gain_asymmetry"]
+    assert found.causes[0].gain > found.causes[1].gain
+
+
 @pytest.mark.parametrize(
     "hidden",
     [

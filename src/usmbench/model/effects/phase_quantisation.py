@@ -9,7 +9,7 @@ from usmbench.model.effects.base import DEFINITION, Array, Context, Effect, Para
 _MEANING = "The generator sets the phase on a coarse grid instead of where it is commanded."
 _MEND = "Read the generator's phase register back, and check how many of its bits are written."
 _COARSEST_DEG = 60.0
-_FINEST_DEG = 0.7
+_FINEST_DEG, _COARSE_DEG = 0.7, 10.0
 _MANY = 50  # phases: twice the levels of a fine staircase
 _MEANT = 1e-3  # of a usual step: nearer than that nobody builds another
 _SAME_STEP = 1e-9  # a commanded multiple must not fall below itself by rounding
@@ -64,8 +64,9 @@ class RoundedPhase(Effect):
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
         """Return usual steps; where there are many phases, all steps that these tell apart.
 
-        Between two neighbours no phase then moves by more than half a step. A staircase of few
-        levels could be bent into any shape by a free choice of the step.
+        Between two neighbours no phase then moves by more than half a step, nor by a quarter of a
+        coarse one, which leaves few levels to tell it by. A staircase of few levels could be bent
+        into any shape by a free choice of the step.
 
         Parameters
         ----------
@@ -76,7 +77,9 @@ class RoundedPhase(Effect):
             return {"step_deg": np.array(_USUAL_DEG)}
         farthest_deg = max(float(np.max(np.abs(c.phase_deg))) for c in contexts)
         even = farthest_deg / np.arange(1.0, farthest_deg / _FINEST_DEG, 0.5)
-        return {"step_deg": np.unique([*_USUAL_DEG, *even[even <= _COARSEST_DEG]])}
+        coarse = farthest_deg / np.arange(1.25, farthest_deg / _COARSE_DEG, 0.5)
+        tried = np.unique([*_USUAL_DEG, *even, *coarse])
+        return {"step_deg": tried[tried <= _COARSEST_DEG]}
 
     def habitual(self, contexts: Sequence[Context]) -> bool:
         """Return whether there are phases enough to tell the step.

@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
@@ -98,6 +99,15 @@ def test_a_register_rounds_or_cuts_off() -> None:
     assert np.allclose(cut, [-8.0, 0.0, 0.0, 8.0])
     to_zero = PhaseCutToZero().apply(np.r_[phase_deg, -8.0], _context(5), {"step_deg": 4.0})
     assert np.allclose(to_zero, [-4.0, 0.0, 0.0, 8.0, -8.0])
+
+
+@pytest.mark.parametrize("farthest_deg", [47.3, 90.0, 178.9])
+def test_steps_are_tried_close_enough_to_meet_a_coarse_one(farthest_deg: float) -> None:
+    phase_deg = np.linspace(-farthest_deg, farthest_deg, 101)
+    (steps_deg,) = RoundedPhase().grid([replace(_context(101), phase_deg=phase_deg)]).values()
+    levels = farthest_deg / steps_deg[steps_deg <= farthest_deg]
+    assert np.max(-np.diff(levels[levels < farthest_deg / 10.0])) <= 0.25 + 1e-9
+    assert np.max(-np.diff(levels[levels < farthest_deg / 0.8])) <= 0.5 + 1e-9
 
 
 def test_what_shifts_the_voltages_acts_behind_the_register() -> None:
