@@ -29,6 +29,7 @@ from usmbench.model.hammerstein import HammersteinModel
 from usmbench.runs.record import Record
 
 _MOST_POINTS = 3000
+_PLAINLY_MORE = 2.0  # times the gain: less may come by chance, and the order of search stands
 
 
 def diagnose(records: Sequence[Record], model: HammersteinModel) -> Diagnosis:
@@ -157,7 +158,7 @@ def _report(
 def _causes(
     found: Found, named: Sequence[list[Ranked]], fit: Fit, gain: Gain, struck: Sequence[Mask]
 ) -> list[NamedCause]:
-    """Describe the named causes, those that explain most of unseen blocks first."""
+    """Describe the named causes, one that plainly explains most of unseen blocks first."""
     problem = found.problem
     ranges = intervals(problem, fit, found.spread)
     causes = []
@@ -179,7 +180,11 @@ def _causes(
                 share,
             )
         )
-    return sorted(causes, key=lambda cause: -cause.gain)
+    strongest = max(causes, key=lambda cause: cause.gain)
+    if strongest.gain > _PLAINLY_MORE * causes[0].gain:
+        causes.remove(strongest)
+        causes.insert(0, strongest)
+    return causes
 
 
 def _estimates(applied: Applied, ranges: dict[str, tuple[float, float]]) -> tuple[Estimate, ...]:

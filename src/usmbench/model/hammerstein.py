@@ -6,10 +6,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.model.bernstein import bezier_slope, bezier_value
+from usmbench.model.bernstein import bezier_value
 from usmbench.model.inverse_map import bezier_abscissa, check_knots
 
 Array = NDArray[np.float64]
+
+_END = 0.05  # of a curve's range: its slope over so much is that of its end
+_REACH = 0.2  # of the range, beyond which a curve that goes on as it ends has levelled off
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,25 +47,29 @@ class StaticCurve:
         Parameters
         ----------
         phase_deg
-            Phases, shape (N,). Beyond the knots the curve is held at its end; whether that is
-            admissible is the caller's to know, see `HammersteinModel.outside`.
+            Phases, shape (N,). Beyond the knots, where the paper's curve is not defined, it goes on
+            as steeply as it ends, ever less so; how far that is admissible is the caller's to know,
+            see `HammersteinModel.outside`.
         """
         held_deg = np.clip(phase_deg, self.knots_deg[0], self.knots_deg[-1])
-        return bezier_value(bezier_abscissa(held_deg, self.knots_deg), self.delta)
+        speed_rad_s = self._within(held_deg)
+        beyond_deg = phase_deg - held_deg
+        if np.any(beyond_deg):
+            speed_rad_s += self._more_rad_s(beyond_deg)
+        return speed_rad_s
 
-    def slope_rad_s_per_deg(self, phase_deg: Array) -> Array:
-        """Return the derivative of the settled speed with respect to phase.
+    def _within(self, phase_deg: Array) -> Array:
+        return bezier_value(bezier_abscissa(phase_deg, self.knots_deg), self.delta)
 
-        Parameters
-        ----------
-        phase_deg
-            Phases, shape (N,); 0 beyond the knots, where the curve is held.
-        """
-        inside = (phase_deg >= self.knots_deg[0]) & (phase_deg <= self.knots_deg[-1])
-        held_deg = np.clip(phase_deg, self.knots_deg[0], self.knots_deg[-1])
-        x = bezier_abscissa(held_deg, self.knots_deg)
-        slope: Array = bezier_slope(x, self.delta) / bezier_slope(x, self.knots_deg)
-        return np.where(inside, slope, 0.0)
+    def _more_rad_s(self, beyond_deg: Array) -> Array:
+        """Return what the curve gains beyond its ends."""
+        low_deg, high_deg = float(self.knots_deg[0]), float(self.knots_deg[-1])
+        end_deg, reach_deg = _END * (high_deg - low_deg), _REACH * (high_deg - low_deg)
+        ends_deg = np.array([low_deg, low_deg + end_deg, high_deg - end_deg, high_deg])
+        slopes = np.diff(self._within(ends_deg))[[0, 2]] / end_deg
+        further_deg = np.copysign(reach_deg * np.expm1(-np.abs(beyond_deg) / reach_deg), beyond_deg)
+        more: Array = further_deg * np.where(beyond_deg < 0.0, *slopes)
+        return more
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,7 +28,7 @@ class Simulation:
         The static curve's output v, shape (N,).
     outside_phase, outside_point
         True where the phase, or the operating point, lies outside the range the model was
-        identified on, shape (N,). There the curve is held at its end.
+        identified on, shape (N,). There the curve goes on as it ends.
     """
 
     speed_rad_s: Array

@@ -10,10 +10,15 @@ from known_motor import NOISE_RAD_S, WINDOW_S, applied, driven, identified, meas
 from usmbench.diagnose import found as found_module
 from usmbench.diagnose import stepwise
 from usmbench.diagnose.pipeline import diagnose
+from usmbench.diagnose.reference import with_knowledge
 from usmbench.errors import InputError
+from usmbench.identify.fast import FastOptions, identify_fast
+from usmbench.model.effects.first_order import first_order
 from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
+from usmbench.model.linear import free_run
 from usmbench.model.model_file import read_model, write_model
+from usmbench.runs.record import Record
 
 
 @pytest.fixture(scope="module")
@@ -55,6 +60,30 @@ def test_names_what_was_hidden(
     if parameter is not None:
         sizes = {p.name: p for p in cause.parameters}
         assert sizes[parameter].value == pytest.approx(hidden.values[parameter], rel=0.1)
+
+
+@pytest.mark.parametrize("offset_deg", [-5.0, 5.0])
+def test_an_offset_is_found_alone_where_the_curve_has_not_levelled_off_at_its_ends(
+    offset_deg: float,
+) -> None:
+    rng = np.random.default_rng(8)
+    lag = first_order(0.0035, 0.0015, WINDOW_S)
+
+    def driven_within_40_deg(wrong_deg: float) -> Record:
+        phase_deg = np.repeat(rng.uniform(-40.0, 40.0, 400), 8)
+        size = np.maximum(np.abs(phase_deg + wrong_deg) - 12.0, 0.0)
+        settled = np.sign(phase_deg + wrong_deg) * 9.0 * np.tanh(size / 40.0)
+        noisy = free_run(lag, settled) + NOISE_RAD_S * rng.standard_normal(phase_deg.size)
+        t_s = WINDOW_S * np.arange(1.0, phase_deg.size + 1.0)
+        return Record("run", t_s, phase_deg, noisy, np.full(phase_deg.size, WINDOW_S))
+
+    references = [driven_within_40_deg(0.0) for _ in range(2)]
+    model = with_knowledge(identify_fast(references, FastOptions()).model, references)
+    found = diagnose([driven_within_40_deg(offset_deg)], model)
+    assert [cause.name for cause in found.causes] == ["phase_offset"]
+    (offset,) = found.causes[0].parameters
+    assert offset.value == pytest.approx(offset_deg, abs=0.03)
+    assert found.rmse_extended_rad_s < 1.05 * found.noise_floor_rad_s
 
 
 def test_the_strongest_cause_comes_first(model: HammersteinModel) -> None:

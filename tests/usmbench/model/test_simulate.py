@@ -49,10 +49,10 @@ def test_beyond_the_points_it_says_so(frequency_hz: float, torque_nm: float) -> 
     assert not np.any(simulation.inside)
 
 
-def test_beyond_the_phases_the_curve_is_held_and_says_so() -> None:
+def test_beyond_the_phases_the_curve_goes_on_and_says_so() -> None:
     simulation = simulate(model(point(None, None, 10.0)), np.array([80.0, 95.0, -120.0]))
     assert simulation.outside_phase.tolist() == [False, True, True]
-    assert simulation.settled_rad_s[1:].tolist() == [10.0, -10.0]
+    assert 10.0 < simulation.settled_rad_s[1] < -simulation.settled_rad_s[2] < 13.0
 
 
 def test_one_point_serves_a_run_that_does_not_say_where_it_was() -> None:
