@@ -12,6 +12,7 @@ from usmbench.runs.check_record import check_numbers
 from usmbench.runs.record import Record
 
 _FEWEST_WINDOWS = 60
+_TURNS_RAD_S = 1.0  # an encoder of 500 lines then counts three times in a window of 10 ms
 
 
 def check_run(record: Record, model: HammersteinModel) -> None:
@@ -85,6 +86,29 @@ def check_outside(record: Record, outside: NDArray[np.bool_], warnings: list[str
         warnings.append(
             f"{record.name}: {np.count_nonzero(outside)} rows lie outside the model's range and "
             "are not judged"
+        )
+
+
+def check_moves(record: Record, simulated_rad_s: Sequence[NDArray[np.float64]]) -> None:
+    """Refuse a run in which nothing moves though the motor should turn.
+
+    Parameters
+    ----------
+    record
+        The run.
+    simulated_rad_s
+        The model's speed on its stretches, shape (N,) each.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        Every speed is 0.
+    """
+    fastest_rad_s = max((float(np.max(np.abs(s))) for s in simulated_rad_s), default=0.0)
+    if not np.any(record.speed_rad_s) and fastest_rad_s > _TURNS_RAD_S:
+        raise InputError(
+            f"{record.name}: every speed is 0 where the model turns; is the encoder connected, "
+            "and was the drive on?"
         )
 
 

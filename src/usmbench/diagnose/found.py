@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.chance import chancy_of, leaves_scatter
 from usmbench.diagnose.fitting import Fit
+from usmbench.diagnose.gain import Gain
 from usmbench.diagnose.naming import NO_CHANCE, Ranked
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.remainder import LOUD
@@ -23,6 +24,9 @@ _MOST_LEFT = 0.4  # as a share; what verdict() calls partly explained ends there
 _GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by a tenth
 _TRIFLE = 0.01  # of what there was: what a form of an effect may be off by
 _SCATTER = 0.5  # of what is left: the rest is smooth
+_AT_END = 0.99  # of the way from nothing to the end of what a size may be
+# Gain on unseen blocks, where this share of the floor's mean square is there to be gained.
+_BEYOND, _NOTHING_GAINED, _HALF = 0.1, 0.05, 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +91,20 @@ class Found:
         return self.after.material and self.after.excess > max(trifle, scatter)
 
     @property
+    def at_an_end(self) -> bool:
+        """Whether a size is all that it may be: what would fit is something else."""
+        sizes = (
+            (p, a.values[p.name] - p.null)
+            for a in self.fit.effects
+            for p in a.effect.parameters
+            if not p.scanned
+        )
+        return any(
+            size < _AT_END * (p.low - p.null) < 0.0 or size > _AT_END * (p.high - p.null) > 0.0
+            for p, size in sizes
+        )
+
+    @property
     def on_a_grid(self) -> bool:
         """Whether a name is fitted to where each phase falls: it says all, or by accident some."""
         return any(applied.effect.jagged for applied in self.fit.effects)
@@ -118,6 +136,29 @@ def verdict_on(found: Found, sporadic: Sporadic | None) -> Verdict:
     if sporadic is not None and sporadic.deviance > found.before.excess:
         return "explained" if found.before.p_value > PLAINLY else "partly_explained"
     return _on_nothing_named(found)
+
+
+def borne_out(says: Verdict, named: Fit, gain: Gain) -> Verdict:
+    """Return a verdict that what names gain on unseen blocks bears out.
+
+    Weighed by the noise of each row, a trifle may be plain where most of what is wrong is not
+    touched. What acts by chance is exempt: its scatter cannot be foretold.
+
+    Parameters
+    ----------
+    says
+        The verdict on the names.
+    named
+        What is named.
+    gain
+        What it gains.
+    """
+    beyond = gain.rmse_simulation_rad_s**2 - gain.noise_floor_rad_s**2
+    if chancy_of(named.effects) or beyond < _BEYOND * gain.noise_floor_rad_s**2:
+        return says
+    if gain.high < _NOTHING_GAINED:
+        return "unexplained"
+    return "partly_explained" if gain.high < _HALF and says == "explained" else says
 
 
 def left_aside(found: Found) -> list[str]:
@@ -160,7 +201,7 @@ def _on_named(found: Found) -> Verdict:
     # Scatter is not smooth: what the views show of it is little.
     if chancy_of(found.fit.effects) and found.leaves_more:
         return _on_nothing_named(found)
-    if found.patched or (says != "explained" and found.on_a_grid):
+    if found.patched or found.at_an_end or (says != "explained" and found.on_a_grid):
         return "unexplained"
     # Several that leave something are patches on what the library does not know.
     if says == "unexplained" or found.mostly_left or (says != "explained" and found.named[1:]):

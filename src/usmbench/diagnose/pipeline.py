@@ -6,11 +6,12 @@ from dataclasses import replace
 import numpy as np
 
 from usmbench.diagnose.anew import identified_anew
+from usmbench.diagnose.check_runs import check_moves
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.detectable import smallest_sizes
 from usmbench.diagnose.evidence import Candidate, Estimate, NamedCause
 from usmbench.diagnose.fitting import NOTHING, Fit
-from usmbench.diagnose.found import Found, left_aside, verdict_on
+from usmbench.diagnose.found import Found, borne_out, left_aside, verdict_on
 from usmbench.diagnose.gain import Gain, held_out_gain
 from usmbench.diagnose.intervals import intervals
 from usmbench.diagnose.knowledge import knowledge_of
@@ -48,6 +49,8 @@ def diagnose(records: Sequence[Record], model: HammersteinModel) -> Diagnosis:
         Runs that do not belong to the model or together, or too short to say anything.
     """
     stretches, warnings = cut_runs(records, model, own_effects(model))
+    for run, record in enumerate(records):
+        check_moves(record, [s.simulated_rad_s for s in stretches if s.run == run])
     anew = identified_anew(stretches, model, library())
     if anew is None:
         return _diagnosed(stretches, warnings, model)
@@ -127,6 +130,9 @@ def _report(
     left = found.left_rad_s if named else problem.residual_rad_s
     struck = () if sporadic is None else sporadic.struck
     gain = held_out_gain(problem, fit, struck)
+    if named and sporadic is None and borne_out(says, fit, gain) != says:
+        says = borne_out(says, fit, gain)
+        return _report(found, None, says, model, testable, refused, warnings)
     causes = [] if not named else _causes(found, named, fit, gain, struck)
     if sporadic is not None:
         most = max((ranking[0].statistic for ranking in named), default=0.0)

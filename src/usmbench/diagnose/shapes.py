@@ -14,6 +14,7 @@ from usmbench.model.linear import free_run, from_rest
 Array = NDArray[np.float64]
 
 PHASE_NODES = 49
+_APART = 2e-5  # of the range: seven digits tell it
 _NUDGE = 1e-4  # of the slip at which the torque gives out, and of a window
 _TRACE = 1e-4  # of what a change begins with
 _HELD, _OPEN_END = 8, 0.05  # rows that hold an end of a curve; share of the highest speed
@@ -36,7 +37,11 @@ def phase_nodes(phase_deg: Array, speeds_rad_s: Sequence[Array]) -> tuple[float,
     for part in (path, bend):
         along = along + part / max(float(part[-1]), 1e-12)
     nodes = np.interp(np.linspace(0.0, along[-1], PHASE_NODES), along, phase_deg)
-    return tuple(float(f"{node:.6g}") for node in nodes)
+    # Where a curve does all at one place, nodes would meet there.
+    apart = _APART * (phase_deg[-1] - phase_deg[0]) * np.arange(PHASE_NODES)
+    nodes = np.maximum.accumulate(nodes - apart) + apart
+    nodes = np.minimum(nodes, phase_deg[-1] - apart[::-1])
+    return tuple(float(f"{node:.7g}") for node in nodes)
 
 
 def unmeasured_rad_s(

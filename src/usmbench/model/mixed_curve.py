@@ -10,6 +10,8 @@ from usmbench.model.hammerstein import OperatingPoint
 
 Array = NDArray[np.float64]
 
+_MARGIN = 0.01  # of a point's range of phases
+
 
 @dataclass(frozen=True, slots=True)
 class Mixed:
@@ -60,6 +62,8 @@ def beyond_range(
 ) -> NDArray[np.bool_]:
     """Return the rows whose phase lies beyond the range of a point that counts there, shape (N,).
 
+    A hundredth of the range is within it: phases that were drawn seldom reach its very ends.
+
     Parameters
     ----------
     points
@@ -72,5 +76,7 @@ def beyond_range(
     beyond = np.zeros(phase_deg.size, dtype=np.bool_)
     for point, weight in zip(points, weights, strict=True):
         low_deg, high_deg = point.phase_range_deg
-        beyond |= (weight != 0.0) & ((phase_deg < low_deg) | (phase_deg > high_deg))
+        more_deg = _MARGIN * (high_deg - low_deg)
+        far = (phase_deg < low_deg - more_deg) | (phase_deg > high_deg + more_deg)
+        beyond |= (weight != 0.0) & far
     return beyond

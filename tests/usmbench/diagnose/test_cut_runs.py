@@ -28,6 +28,17 @@ def test_rows_that_remember_phases_beyond_the_model_are_not_judged(
     assert "1 rows lie outside" in warnings[0]
 
 
+def test_phases_a_little_beyond_the_model_are_judged(model: HammersteinModel) -> None:
+    low_deg, high_deg = model.points[0].phase_range_deg
+    ends_deg = [low_deg - 0.009 * (high_deg - low_deg), high_deg + 0.009 * (high_deg - low_deg)]
+    phase_deg = np.repeat(np.tile(ends_deg, 5), 20)
+    t_s = 0.01 * np.arange(1.0, phase_deg.size + 1.0)
+    speed_rad_s = model.points[0].curve.speed_rad_s(phase_deg)
+    record = Record("run", t_s, phase_deg, speed_rad_s, np.full(phase_deg.size, 0.01))
+    _, warnings = cut_runs([record], model, ())
+    assert not warnings
+
+
 def test_a_piece_of_a_long_run_is_as_warm_as_the_run_was(
     model: HammersteinModel, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -86,6 +86,22 @@ def test_an_offset_is_found_alone_where_the_curve_has_not_levelled_off_at_its_en
     assert found.rmse_extended_rad_s < 1.05 * found.noise_floor_rad_s
 
 
+def test_a_run_in_which_nothing_moves_is_refused(model: HammersteinModel) -> None:
+    still = replace(measured(7), speed_rad_s=np.zeros(measured(7).t_s.size))
+    with pytest.raises(InputError, match="every speed is 0 where the model turns"):
+        diagnose([still], model)
+    at_rest = replace(still, phase_deg=np.zeros(still.t_s.size))
+    assert diagnose([at_rest], model).verdict == "no_discrepancy"
+
+
+def test_speeds_in_another_unit_are_a_scale(model: HammersteinModel) -> None:
+    run, rpm_of_rad_s = measured(7), 30.0 / np.pi
+    found = diagnose([replace(run, speed_rad_s=rpm_of_rad_s * run.speed_rad_s)], model)
+    assert [cause.name for cause in found.causes] == ["speed_scale"]
+    (error,) = found.causes[0].parameters
+    assert error.value == pytest.approx(rpm_of_rad_s - 1.0, rel=0.02)
+
+
 def test_the_strongest_cause_comes_first(model: HammersteinModel) -> None:
     weak = applied("gain_asymmetry", "balanced", asymmetry=0.006)
     strong = applied("phase_quantisation", "rounded", step_deg=9.0)

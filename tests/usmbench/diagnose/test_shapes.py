@@ -4,9 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from usmbench.diagnose.cut_runs import cut_runs
-from usmbench.diagnose.shapes import detuned_rad_s, shown, unheld_rad_s, unmeasured_rad_s
+from usmbench.diagnose.shapes import (
+    detuned_rad_s,
+    phase_nodes,
+    shown,
+    unheld_rad_s,
+    unmeasured_rad_s,
+)
 from usmbench.diagnose.stretches import Stretch
 from usmbench.identify.lag_family import LagFamily
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
@@ -26,6 +34,15 @@ def _stretch(slip_limit_rad_s: float | None) -> Stretch:
     record = Record("run", t_s, phase_deg, np.zeros(N), np.full(N, WINDOW_S))
     (stretch,), _ = cut_runs([record], HammersteinModel(linear, (point,), "test"), ())
     return stretch
+
+
+@given(st.floats(0.0, 1.0), st.floats(1e-12, 1.0))
+def test_nodes_are_apart_though_a_curve_does_all_at_one_place(at: float, width: float) -> None:
+    phase_deg = np.linspace(-90.0, 90.0, 2001)
+    speed_rad_s = 10.0 * np.tanh((phase_deg - 90.0 * (2.0 * at - 1.0)) / width)
+    nodes_deg = np.array(phase_nodes(phase_deg, [speed_rad_s]))
+    assert np.all(np.diff(nodes_deg) > 0.0)
+    assert (nodes_deg[0], nodes_deg[-1]) == (-90.0, 90.0)
 
 
 @pytest.mark.parametrize("slip_limit_rad_s", [None, SLIP_RAD_S])

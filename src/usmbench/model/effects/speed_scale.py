@@ -20,14 +20,17 @@ from usmbench.model.hammerstein import LinearPart
 
 
 class SpeedScale(Effect):
-    """ω′ = ω (1 + s): another number of counts a revolution, or another motor gain."""
+    """ω′ = ω (1 + s): another number of counts a revolution, motor gain, or unit of speed."""
 
     name = "speed_scale"
     meaning = "All speeds differ from the simulation by one factor."
-    mend = "Check counts_per_rev against the disc, the sample clock, and the drive amplitude."
+    mend = (
+        "Check counts_per_rev against the disc, the sample clock, the unit (9.55 rpm are 1 rad/s), "
+        "and the drive amplitude."
+    )
     stage: ClassVar[Stage] = "counter"
     form_off: ClassVar[float] = DEFINITION
-    parameters = (Parameter("scale_error", "1", 0.0, -0.9, 3.0, 0.01),)
+    parameters = (Parameter("scale_error", "1", 0.0, -0.9, 100.0, 0.01),)
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the speed that is reported.
