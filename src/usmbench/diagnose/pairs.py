@@ -92,7 +92,7 @@ def _worth_their_names(
 
 def _explains(problem: Problem, pair: Fit, spread: float) -> bool:
     """Whether two causes leave nothing but what their form may be off by."""
-    before = whole_test(problem, omnibus(problem)["all"], (), spread)
+    before = whole_test(problem, omnibus(problem), (), spread)
     after = doubted_test(problem, pair.effects, spread)
     return verdict(before, after, pair.statistic / spread**2) == "explained"
 

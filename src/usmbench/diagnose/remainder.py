@@ -10,6 +10,7 @@ _SAYS = {
     "phase": "the residual depends on the commanded phase, most around {at:.3g}°",
     "direction": "the residual depends on whether the phase rose or fell, most around {at:.3g}°",
     "time": "the residual changes over the run, most around {at:.3g} s",
+    "gain over time": "the residual along the motion changes over the run, most around {at:.3g} s",
     "lag": "the residual follows the steps of the phase, most {at:.3g} windows after",
     "angle": "the residual depends on the shaft's angle, most around {at:.3g} rad",
     "speed": "the residual depends on the speed, most around {at:.3g} rad/s",
@@ -40,6 +41,6 @@ def describe(views: Sequence[View], spread: float) -> Remainder | None:
     says = _SAYS[worst.versus].format(at=float(worst.centre[k]))
     size = float(worst.after_rad_s[k])
     return Remainder(
-        worst.versus,
+        worst.versus.removeprefix("gain over "),
         f"{says} ({size:+.3g} rad/s, {worst.excess_after:.2g} times what noise would leave)",
     )

@@ -114,7 +114,7 @@ class _Weighed:
     ) -> "_Weighed":
         """Weigh them, less the rows that are far out where the best one is taken out."""
         problem = problem.weighed(problem.noise, problem.masks, huber_weights(problem, left))
-        basis = omnibus(problem)["all"]
+        basis = omnibus(problem)
         spread = noise_spread(problem, basis, best)
         return cls(problem, basis, spread, rank(problem, effects, spread))
 

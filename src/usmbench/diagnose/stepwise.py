@@ -112,7 +112,7 @@ def settled(problem: Problem, rankings: list[list[Ranked]], fit: Fit) -> Named:
     """
     shown = problem.showing(fit.effects)
     again = refine(shown, fit)
-    left = noise_spread(shown, omnibus(shown)["all"], again.effects)
+    left = noise_spread(shown, omnibus(shown), again.effects)
     return Named(shown, rankings, again, left)
 
 
@@ -167,7 +167,7 @@ def _with_the_rest(problem: Problem, effects: Sequence[Effect], found: Named) ->
     # The scatter hid what is far out.
     clear = clear.weighed(problem.noise, masks, huber_weights(clear, clear.residual_rad_s))
     others = [e for e in effects if e.name != chance.effect.name]
-    spread = noise_spread(clear, omnibus(clear)["all"], ())
+    spread = noise_spread(clear, omnibus(clear), ())
     rest = name_causes(clear, rank(clear, others, spread), others, spread)
     if not rest.rankings:
         return found

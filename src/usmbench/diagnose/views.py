@@ -22,6 +22,7 @@ LABELS = {
     "phase": "commanded phase φ (deg)",
     "direction": "phase φ (deg), residual after rises less after falls",
     "time": "time (s)",
+    "gain over time": "time (s), residual in the direction of motion",
     "lag": "windows after a step of φ, residual in the step's direction",
     "angle": "shaft angle (rad)",
     "speed": "simulated speed (rad/s)",
@@ -59,11 +60,14 @@ def binnings(stretches: Sequence[Stretch]) -> list[Binning]:
         The runs.
     """
     ones = tuple(np.ones(s.context.n) for s in stretches)
+    ways = tuple(np.sign(s.settled_rad_s) for s in stretches)
     phase = [s.context.phase_deg for s in stretches]
+    times = [s.context.t_s for s in stretches]
     found = [
         _even("phase", phase, ones, _PHASE_BINS),
         _even("direction", phase, tuple(s.direction for s in stretches), _PHASE_BINS // 2),
-        _even("time", [s.context.t_s for s in stretches], ones, _TIME_BINS),
+        _even("time", times, ones, _TIME_BINS),
+        _even("gain over time", times, ways, _TIME_BINS),
         _even("speed", [s.settled_rad_s for s in stretches], ones, _SPEED_BINS),
     ]
     after = [np.searchsorted(_LAG_EDGES, s.lag, side="right") - 1 for s in stretches]
@@ -73,7 +77,6 @@ def binnings(stretches: Sequence[Stretch]) -> list[Binning]:
     known = [s.context.angle_rad for s in stretches]
     angles = [np.mod(angle_rad, 2.0 * np.pi) for angle_rad in known if angle_rad is not None]
     if len(angles) == len(stretches):
-        ways = tuple(np.sign(s.settled_rad_s) for s in stretches)
         found.append(_even("angle", angles, ways, _ANGLE_BINS))
     return found
 
@@ -87,35 +90,31 @@ def _even(versus: str, values: Sequence[Array], sign: tuple[Array, ...], n_bins:
     return Binning(versus, centre, index, sign)
 
 
-def omnibus(problem: Problem) -> dict[str, Basis]:
-    """Return, for each view and for ``all`` together, the directions its test looks in.
+def omnibus(problem: Problem) -> Basis:
+    """Return the directions that all views together look in.
 
     Parameters
     ----------
     problem
         The problem.
     """
-    bases, every = {}, []
+    every = []
     for binning in binnings(problem.stretches):
         parts = zip(*_columns(problem, binning), strict=True)
         columns = problem.carried([np.column_stack(part) for part in parts])
-        bases[binning.versus] = _basis(columns)
-        every.append(bases[binning.versus].vectors)
-    bases["all"] = _basis(np.column_stack(every))
-    return bases
+        every.append(_basis(columns).vectors)
+    return _basis(np.column_stack(every))
 
 
 def _columns(problem: Problem, binning: Binning) -> Iterator[list[Array]]:
     """Yield the columns of a view, by stretch: the bins, and what belongs to them."""
     stretches = problem.stretches
-    pairs = list(zip(binning.index, binning.sign, strict=True))
+    # A gain that changes shows in proportion to the speed.
+    gained = binning.versus == "gain over time"
+    signs = [s.simulated_rad_s for s in stretches] if gained else binning.sign
+    pairs = list(zip(binning.index, signs, strict=True))
     for k in range(binning.centre.size):
         yield [(i == k) * w for i, w in pairs]
-    if binning.versus == "time":
-        for k in range(binning.centre.size):
-            yield [
-                (i == k) * s.simulated_rad_s for i, s in zip(binning.index, stretches, strict=True)
-            ]
     if binning.versus == "lag":
         for k in range(binning.centre.size):
             yield [(i == k) * s.step_rad_s for i, s in zip(binning.index, stretches, strict=True)]

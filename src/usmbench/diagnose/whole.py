@@ -74,7 +74,7 @@ def doubted_test(problem: Problem, effects: Sequence[Applied], spread: float) ->
         Standard deviation of the whitened noise.
     """
     doubting = problem.doubting(effects)
-    return whole_test(doubting, omnibus(doubting)["all"], effects, spread)
+    return whole_test(doubting, omnibus(doubting), effects, spread)
 
 
 def verdict(before: Whole, after: Whole, statistic: float) -> Verdict:

@@ -147,7 +147,7 @@ def _takes_the_rest(
     problem: Problem, others: Sequence[Applied], together: Sequence[Applied], spread: float
 ) -> bool:
     """Whether the last effect takes what the views show of what the others leave."""
-    basis = omnibus(problem)["all"]
+    basis = omnibus(problem)
     left, after = (whole_test(problem, basis, e, spread).excess for e in (others, together))
     return after < _REST * left
 

@@ -102,6 +102,20 @@ def test_speeds_in_another_unit_are_a_scale(model: HammersteinModel) -> None:
     assert error.value == pytest.approx(rpm_of_rad_s - 1.0, rel=0.02)
 
 
+@pytest.mark.parametrize("share", [-0.03, 0.05])
+def test_a_gain_that_steps_in_the_middle_of_a_run_is_left_over_in_time(
+    model: HammersteinModel, share: float
+) -> None:
+    run = measured(7)
+    late = run.t_s > 0.6 * run.t_s[-1]
+    stepped = replace(run, speed_rad_s=run.speed_rad_s * np.where(late, 1.0 + share, 1.0))
+    found = diagnose([stepped], model)
+    assert (found.verdict, found.causes) == ("unexplained", ())
+    assert found.remainder is not None
+    assert found.remainder.versus == "time"
+    assert "along the motion" in found.remainder.says
+
+
 def test_the_strongest_cause_comes_first(model: HammersteinModel) -> None:
     weak = applied("gain_asymmetry", "balanced", asymmetry=0.006)
     strong = applied("phase_quantisation", "rounded", step_deg=9.0)
