@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from usmbench.diagnose.anew import identified_anew
-from usmbench.diagnose.check_runs import check_moves
+from usmbench.diagnose.check_runs import check_moves, unmeasured
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.detectable import smallest_sizes
 from usmbench.diagnose.evidence import Candidate, Estimate, NamedCause
@@ -100,7 +100,8 @@ def _diagnosed(
     if sporadic is not None and sporadic.named.name in {r[0].effect.name for r in found.named}:
         sporadic = None
     says = verdict_on(found, sporadic)
-    return _report(found, sporadic, says, model, testable, tuple(refused.items()), tuple(warnings))
+    told = (*warnings, *unmeasured(found.problem))
+    return _report(found, sporadic, says, model, testable, tuple(refused.items()), told)
 
 
 def _report(

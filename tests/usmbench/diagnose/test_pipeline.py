@@ -116,6 +116,17 @@ def test_a_gain_that_steps_in_the_middle_of_a_run_is_left_over_in_time(
     assert "along the motion" in found.remainder.says
 
 
+def test_phases_that_no_reference_drove_are_told() -> None:
+    levels_deg = np.array([-80.0, -30.0, 20.0, 70.0])
+    rng = np.random.default_rng(4)
+    references = [driven(np.repeat(rng.choice(levels_deg, 120), 15), k) for k in (1, 2)]
+    model = with_knowledge(identify_fast(references, FastOptions()).model, references)
+    same = driven(np.repeat(rng.choice(levels_deg, 120), 15), 3)
+    assert not any("the model may be off" in words for words in diagnose([same], model).warnings)
+    others = driven(np.repeat(rng.uniform(-70.0, 60.0, 120), 15), 3)
+    assert any("the model may be off" in words for words in diagnose([others], model).warnings)
+
+
 def test_the_strongest_cause_comes_first(model: HammersteinModel) -> None:
     weak = applied("gain_asymmetry", "balanced", asymmetry=0.006)
     strong = applied("phase_quantisation", "rounded", step_deg=9.0)
