@@ -191,7 +191,7 @@ class _Design:
     def _apart(self, problem: Problem, truth: Applied, rival: Applied | None) -> float:
         """Return by how many standard deviations the truth beats its rival clearly."""
         given = self._question.given
-        as_true = _as_if(problem, (*given, truth))
+        as_true = problem.measuring(problem.change_rad_s((*given, truth)))
         start = (*given, *(() if rival is None else (rival,)))
         drop = refine(as_true, Fit(start, 0.0, 0.0)).statistic if start else 0.0
         distance = math.sqrt(max(as_true.deviance - drop, 0.0)) / self._spread
@@ -207,16 +207,6 @@ def _best(design: _Design, experiments: Sequence[Experiment]) -> tuple[Experimen
 
 def _odds(margin: float) -> float:
     return float(norm.cdf(margin))
-
-
-def _as_if(problem: Problem, truth: tuple[Applied, ...]) -> Problem:
-    """Return the problem of a motor that has just these effects, measured without noise."""
-    stretches = []
-    parts = zip(problem.stretches, problem.residual_rad_s, problem.change_rad_s(truth), strict=True)
-    for stretch, residual, change in parts:
-        expected = stretch.residual_rad_s - residual
-        stretches.append(replace(stretch, speed_rad_s=stretch.simulated_rad_s + expected + change))
-    return Problem(stretches, problem.known, problem.noise, problem.masks, problem.own)
 
 
 def _stated(cause: NamedCause) -> Applied:

@@ -170,6 +170,19 @@ class Problem:
         other._runs = FreeRuns(other.stretches)
         return other._leaving(other.stretches)
 
+    def measuring(self, residual_rad_s: Sequence[Array]) -> "Problem":
+        """Return the same problem of a motor that leaves another residual.
+
+        Parameters
+        ----------
+        residual_rad_s
+            Beyond what it is known to leave, by stretch, shape (N,) each.
+        """
+        other = copy(self)
+        other.residual_rad_s = list(residual_rad_s)
+        other._take_residual()
+        return other
+
     def change_rad_s(self, effects: Sequence[Applied]) -> list[Array]:
         """Return what effects change in the free run, by stretch.
 
@@ -270,6 +283,10 @@ class Problem:
         self._valid = [self._whole(mask) for mask in self.masks]
         rows = np.concatenate(self._valid)
         self._carrier = Carrier.of(self._filter, self._background, rows, self._root)
+        self._take_residual()
+
+    def _take_residual(self) -> None:
+        """Carry the residual."""
         self.residual = self.carried(self.residual_rad_s)
         self.deviance = float(self.residual @ self.residual)
 
