@@ -14,7 +14,7 @@ from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.scanning import fit_effect
 from usmbench.model.effects.base import Context
 from usmbench.model.effects.first_order import first_order
-from usmbench.model.effects.registry import find_effect
+from usmbench.model.effects.registry import find_effect, library
 from usmbench.model.extended import Applied, extended_run
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
 from usmbench.runs.record import Record
@@ -46,6 +46,34 @@ def test_a_step_between_two_of_the_grid_is_found_among_random_phases(seed: int) 
     (cause,) = diagnose([record], model).causes
     assert (cause.name, cause.form) == ("phase_quantisation", effect.form)
     assert cause.parameters[0].value == pytest.approx(step_deg, rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["transport_delay", "phase_quantisation", "coupling_backlash"])
+def test_a_scan_beside_a_cause_that_changes_little_ends_where_one_through_all_does(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    draw = np.random.default_rng(11)
+    point = OperatingPoint(None, None, CURVE, (-90.0, 90.0), (-15.0, 15.0), NOISE_RAD_S)
+    model = HammersteinModel(first_order(0.0035, 0.0, WINDOW_S), (point,), "fast")
+    phase_deg = np.repeat(draw.uniform(-88.0, 88.0, 200), 5)
+    t_s = WINDOW_S * np.arange(1.0, phase_deg.size + 1.0)
+    context = Context(t_s, WINDOW_S, phase_deg, CURVE.speed_rad_s, model.linear)
+    beside = (Applied(find_effect("gain_asymmetry", "balanced"), {"asymmetry": 0.05}),)
+    hidden = Applied(find_effect("phase_quantisation", "rounded"), {"step_deg": 5.3})
+    speed_rad_s = extended_run([*beside, hidden], context).speed_rad_s
+    speed_rad_s += NOISE_RAD_S * draw.standard_normal(t_s.size)
+    record = Record("run", t_s, phase_deg, speed_rad_s, np.full(t_s.size, WINDOW_S))
+    stretches, _ = cut_runs([record], model, ())
+    noise = estimate_noise(
+        stretches, [speed_rad_s - context.settled_rad_s(phase_deg)], [s.use for s in stretches]
+    )
+    problem = Problem(stretches, knowledge_of(model), noise, [s.use for s in stretches])
+    effect = next(e for e in library() if e.name == name)
+    alone = fit_effect(problem, effect, beside)
+    monkeypatch.setattr("usmbench.diagnose.scanning._SLIGHT", 0.0)
+    through_all = fit_effect(problem, effect, beside)
+    assert alone.statistic == pytest.approx(through_all.statistic, rel=0.05, abs=2.0)
+    assert problem.drop(alone.effects) - problem.drop(beside) == pytest.approx(alone.statistic)
 
 
 @pytest.mark.parametrize(("delay_s", "low", "high"), [(3e-4, 3.0, 3.0), (0.15, 10.0, np.inf)])
