@@ -92,17 +92,18 @@ class Found:
 
     @property
     def at_an_end(self) -> bool:
-        """Whether a size is all that it may be: what would fit is something else."""
+        """Whether a size is all that it may be: what would fit is something else.
+
+        A share of all that there is has its end in itself.
+        """
         sizes = (
-            (p, a.values[p.name] - p.null)
+            (end - p.null, a.values[p.name] - p.null)
             for a in self.fit.effects
             for p in a.effect.parameters
-            if not p.scanned
+            for end in (p.low, p.high)
+            if not p.scanned and not (p.unit == "1" and abs(end) == 1.0)
         )
-        return any(
-            size < _AT_END * (p.low - p.null) < 0.0 or size > _AT_END * (p.high - p.null) > 0.0
-            for p, size in sizes
-        )
+        return any(end != 0.0 and size / end > _AT_END for end, size in sizes)
 
     @property
     def on_a_grid(self) -> bool:

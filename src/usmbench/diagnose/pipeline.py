@@ -131,9 +131,9 @@ def _report(
     left = found.left_rad_s if named else problem.residual_rad_s
     struck = () if sporadic is None else sporadic.struck
     gain = held_out_gain(problem, fit, struck)
-    if named and sporadic is None and borne_out(says, fit, gain) != says:
-        says = borne_out(says, fit, gain)
-        return _report(found, None, says, model, testable, refused, warnings)
+    borne = borne_out(says, fit, gain) if named and sporadic is None else says
+    if borne != says:
+        return _report(found, None, borne, model, testable, refused, warnings)
     causes = [] if not named else _causes(found, named, fit, gain, struck)
     if sporadic is not None:
         most = max((ranking[0].statistic for ranking in named), default=0.0)

@@ -130,10 +130,10 @@ def choose_curve(
     kept = [_EVEN, *(ways[k] for k in np.argsort(judged, kind="stable")[:_BEST])]
     tried: list[Choice] = []
     for degree in degrees:
-        fewer = len(tried)
+        before = _best(rows, tried) if tried else None
         for way in kept:
             tried += _judged(rows, way.knots_deg(span_deg, degree), STIFFNESSES)
-        if degree > _HIGH_DEGREE and _best(rows, tried) is _best(rows, tried[:fewer]):
+        if degree > _HIGH_DEGREE and _best(rows, tried) is before:
             break
     return _best(rows, tried)
 

@@ -38,8 +38,8 @@ class OneWay(Effect):
     meaning = _MEANING
     mend = _MEND
     stage = "settled"
-    # At most twice as fast: threefold, less of everything turns it into a sign that is lost.
-    parameters = (Parameter("gain", "1", 0.0, -0.8, 1.0, 0.01),)
+    # At least none at all. At most twice as fast: threefold, less of everything turns it into a sign that is lost.
+    parameters = (Parameter("gain", "1", 0.0, -1.0, 1.0, 0.01),)
     sign: ClassVar[float]
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
