@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from usmbench.errors import InputError
 from usmbench.runs.plain_numbers import plain_numbers
 
+_TAIL, _FEWEST_ALIKE = 4096, 6  # bytes; rows that tell how many decimals are written
+
 Values = NDArray[np.float64] | NDArray[np.str_]
 
 
@@ -65,7 +67,8 @@ def read_table(
         Columns that hold numbers; any other may hold text.
     whole_rows
         Whether a last row without a line end is known to be torn, as in a file that a sweep writes.
-        Else it is dropped only where it shows: too few fields, or the beginning of a number.
+        Else it is dropped only where it shows: too few fields, or the beginning of a number, such
+        as one with fewer decimals than all before it.
     may_be_empty
         Whether a file without rows will do.
 
@@ -75,7 +78,7 @@ def read_table(
         The file cannot be read, is not such a table, or has no rows though it must.
     """
     content = _content(path)
-    if whole_rows:
+    if whole_rows or _is_stump(content):
         content = content[: content.rfind(b"\n") + 1]
     names = _names(path, content, needed)
     table = plain_numbers(content, content.find(b"\n") + 1 or len(content), len(names))
@@ -97,6 +100,15 @@ def _content(path: Path) -> bytes:
         raise InputError(
             f"cannot be read: {error.strerror}; name a run folder or a CSV file", file=path
         ) from error
+
+
+def _is_stump(content: bytes) -> bool:
+    """Whether the last row has no line end, and fewer decimals than all before it have."""
+    rows = content[-_TAIL:].split(b"\n")
+    if len(rows) < _FEWEST_ALIKE or not rows[-1]:
+        return False
+    *before, last = (len(row.strip().rpartition(b",")[2].partition(b".")[2]) for row in rows[1:])
+    return last < min(before) == max(before)
 
 
 def _decoded(path: Path, content: bytes) -> str:
@@ -159,8 +171,9 @@ def _row_by_row(
 
 def _torn(row: list[str], names: list[str], numbers: Collection[str]) -> bool:
     """Whether a last row without a line end breaks off: early, or before a number's digits."""
-    broken = names[len(row) - 1] in numbers and _number(row[-1].strip()) is None
-    return len(row) < len(names) or (len(row) == len(names) and broken)
+    if len(row) != len(names):
+        return len(row) < len(names)
+    return names[-1] in numbers and _number(row[-1].strip()) is None
 
 
 def _column(

@@ -145,6 +145,26 @@ def test_a_bare_csv_that_breaks_off_is_read_to_its_last_whole_row(
     assert run.speed_rad_s.tolist() == [1.0, 2.0]
 
 
+@given(st.integers(0, 30))
+@SETTINGS
+def test_a_bare_csv_cut_in_a_number_of_fixed_decimals_ends_before_it(
+    tmp_path_factory: pytest.TempPathFactory, cut: int
+) -> None:
+    whole = "phase_deg,speed_rad_s\n" + "".join(f"{k % 7}.00,{0.125 * k:.4f}\n" for k in range(90))
+    kept = whole[: len(whole) - 1 - cut]
+    run = read_run(csv_file(tmp_path_factory.mktemp("cut"), kept))
+    rows = kept.splitlines()[1:]
+    n = len(rows) if len(rows[-1].partition(".00,")[2].partition(".")[2]) == 4 else len(rows) - 1
+    assert run.speed_rad_s.tolist() == [0.125 * k for k in range(n)]
+
+
+@pytest.mark.parametrize("last", ["0.5", "2", "-1.25"])
+def test_a_bare_csv_whose_decimals_vary_keeps_its_last_row(tmp_path: Path, last: str) -> None:
+    rows = "".join(f"{k},{k / 4:g}\n" for k in range(20))
+    run = read_run(csv_file(tmp_path, f"phase_deg,speed_rad_s\n{rows}3,{last}"))
+    assert run.speed_rad_s[-1] == float(last)
+
+
 def test_a_last_row_without_a_number_is_named_where_the_line_ends(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r":3: speed_rad_s is '-'"):
         read_run(csv_file(tmp_path, "phase_deg,speed_rad_s\n10,1\n20,-\n"))

@@ -38,7 +38,7 @@ class OneWay(Effect):
     meaning = _MEANING
     mend = _MEND
     stage = "settled"
-    # At least none at all. At most twice as fast: threefold, less of everything turns it into a sign that is lost.
+    # At most twice as fast: threefold, less of everything turns it into a sign that is lost.
     parameters = (Parameter("gain", "1", 0.0, -1.0, 1.0, 0.01),)
     sign: ClassVar[float]
 
