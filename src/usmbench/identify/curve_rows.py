@@ -45,7 +45,8 @@ class CurveRows:
     scatter_rad_s
         Root mean square of samples about their mean at the same phase; no curve follows it.
     mean_error_rad_s
-        Standard error of such a mean.
+        Standard error of such a mean; infinite where blocks are held out, which drive the same
+        phases as the others and say themselves whether a curve meets these.
     """
 
     phase_deg: tuple[Array, ...]
@@ -55,7 +56,7 @@ class CurveRows:
     weight: tuple[Array, ...]
     standing_deg: tuple[float, float] | None = None
     scatter_rad_s: float = 0.0
-    mean_error_rad_s: float = 0.0
+    mean_error_rad_s: float = np.inf
 
     def stand_for(self, rows: int) -> int:
         """Return for how many rows of a record a smoothness chosen here holds.

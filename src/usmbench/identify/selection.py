@@ -188,12 +188,12 @@ def _judged(rows: CurveRows, knots_deg: Array, stiffnesses: Sequence[float]) -> 
     factors, fixed = _fold_factors(rows, knots_deg)
     n = sum(int(np.count_nonzero(f >= 0)) for f in rows.fold)
     trained = [triangle(fixed, *factors[:k], *factors[k + 1 :]) for k in range(FOLDS)]
-    every = triangle(fixed, *factors)
+    every, n_used = triangle(fixed, *factors), sum(np.count_nonzero(f >= -1) for f in rows.fold)
     pulls = [prior_rows(knots_deg, s, rows.standing_deg, n) for s in stiffnesses]
     choices = []
     for stiffness, deltas in zip(stiffnesses, _solved([*trained, every], pulls), strict=True):
         unseen = sum(map(_square, factors, deltas[:-1]))
-        own = _square(every, deltas[-1]) / sum(int(np.count_nonzero(f >= -1)) for f in rows.fold)
+        own = _square(every, deltas[-1]) / max(n_used, 1)
         misfit_rad_s = float(np.sqrt(max(own - rows.scatter_rad_s**2, 0.0)))
         held_out_rad_s = float(np.sqrt(unseen / max(n, 1)))
         choices.append(Choice(knots_deg, stiffness, held_out_rad_s, misfit_rad_s))

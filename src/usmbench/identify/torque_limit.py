@@ -68,11 +68,13 @@ class LimitedLagFamily:
         lag
             Parameters of the lag, shape (2,).
         """
-        beside: Array = np.r_[lag, math.log(0.5 * self.span_rad_s)]
-        return beside
+        return self.moved(np.r_[lag, math.log(0.5 * self.span_rad_s)], np.zeros(3))
 
     def moved(self, parameters: Array, step: Array) -> Array:
         """Return the sum, with every parameter kept in its bounds.
+
+        A run with a limit comes no sooner than its commands: below 0 nothing would change, and a
+        search that begins there stays.
 
         Parameters
         ----------
@@ -81,8 +83,8 @@ class LimitedLagFamily:
         """
         low, high = (math.log(share * self.span_rad_s) for share in (_LOW, _HIGH))
         slip = min(max(float(parameters[2] + step[2]), low), high)
-        moved: Array = np.r_[self.lag.moved(parameters[:2], step[:2]), slip]
-        return moved
+        lag, dead = self.lag.moved(parameters[:2], step[:2])
+        return np.array([lag, max(dead, 0.0), slip])
 
 
 def limited_fit(search: RobustFit, lag: LagFamily, found: Polished) -> Estimate | None:

@@ -8,9 +8,11 @@ from numpy.typing import NDArray
 
 from benchmarks.plain_motor import Wrong, motor_of, speed_rad_s
 from benchmarks.plain_runs import plan_deg
+from usmbench.identify.curve_rows import CurveRows
 from usmbench.identify.dynamics import NONE
 from usmbench.identify.fast import identify_fast
 from usmbench.identify.gather import from_windows
+from usmbench.identify.selection import judge_knots
 from usmbench.identify.shape import FastOptions, Shape, rough_fit, settle_shape
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.linear import free_run
@@ -79,3 +81,10 @@ def test_a_curve_meets_the_few_phases_that_were_driven(
     curve = identify_fast([run], FastOptions()).model.points[0].curve
     found, place = np.unique(phase_deg, return_index=True)
     assert curve.speed_rad_s(found) == pytest.approx(settled[place], abs=noise_rad_s)
+
+
+def test_knots_are_judged_where_no_row_is_used() -> None:
+    none = np.full(20, -2)
+    phase_deg = np.linspace(-60.0, 60.0, 20)
+    rows = CurveRows((phase_deg,), (0.1 * phase_deg,), (none,), NONE, (np.ones(20),))
+    assert judge_knots(rows, np.array([-60.0, 0.0, 60.0])).held_out_rad_s == 0.0

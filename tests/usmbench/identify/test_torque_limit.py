@@ -47,6 +47,22 @@ def test_the_limit_is_found_with_an_interval(measure: Measure, curve: StaticCurv
     assert not found.model.unexplained
 
 
+@pytest.mark.parametrize("dead", [0.02, 0.08])
+def test_a_dead_time_shorter_than_what_averages_may_come_too_soon_by_is_found(
+    measure: Measure, curve: StaticCurve, dead: float
+) -> None:
+    # To the plain lag that the search begins with, a limited motor seems to come too soon.
+    record = measure(3000, seed=4)
+    lag = LagFamily(1.0).dynamics(np.array([np.log(0.27), dead]))
+    limited = replace(lag, slip_limit_rad_s=SLIP_RAD_S).linear_part(0.01)
+    clean = free_run(limited, curve.speed_rad_s(record.phase_deg))
+    noise = NOISE_RAD_S * np.random.default_rng(104).standard_normal(3000)
+    linear = identify_fast([replace(record, speed_rad_s=clean + noise)], FastOptions()).model.linear
+    assert linear.slip_limit_rad_s == pytest.approx(SLIP_RAD_S, rel=0.03)
+    assert time_constant_s(linear) == pytest.approx(0.0027, rel=0.02)
+    assert dead_time_s(linear) == pytest.approx(0.01 * dead, abs=6e-5)
+
+
 def test_many_small_steps_do_not_hide_the_limit(measure: Measure, curve: StaticCurve) -> None:
     large, gentle = limited_run(measure, curve, n=600), []
     for seed in range(1, 9):
