@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.chance import chancy_of, leaves_scatter
 from usmbench.diagnose.fitting import Fit
-from usmbench.diagnose.gain import Gain
 from usmbench.diagnose.naming import NO_CHANCE, Ranked
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.remainder import LOUD
@@ -25,8 +24,6 @@ _GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by
 _TRIFLE = 0.01  # of what there was: what a form of an effect may be off by
 _SCATTER = 0.5  # of what is left: the rest is smooth
 _AT_END = 0.99  # of the way from nothing to the end of what a size may be
-# Gain on unseen blocks, where this share of the floor's mean square is there to be gained.
-_BEYOND, _NOTHING_GAINED, _HALF = 0.1, 0.05, 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,29 +134,6 @@ def verdict_on(found: Found, sporadic: Sporadic | None) -> Verdict:
     if sporadic is not None and sporadic.deviance > found.before.excess:
         return "explained" if found.before.p_value > PLAINLY else "partly_explained"
     return _on_nothing_named(found)
-
-
-def borne_out(says: Verdict, named: Fit, gain: Gain) -> Verdict:
-    """Return a verdict that what names gain on unseen blocks bears out.
-
-    Weighed by the noise of each row, a trifle may be plain where most of what is wrong is not
-    touched. What acts by chance is exempt: its scatter cannot be foretold.
-
-    Parameters
-    ----------
-    says
-        The verdict on the names.
-    named
-        What is named.
-    gain
-        What it gains.
-    """
-    beyond = gain.rmse_simulation_rad_s**2 - gain.noise_floor_rad_s**2
-    if chancy_of(named.effects) or beyond < _BEYOND * gain.noise_floor_rad_s**2:
-        return says
-    if gain.high < _NOTHING_GAINED:
-        return "unexplained"
-    return "partly_explained" if gain.high < _HALF and says == "explained" else says
 
 
 def left_aside(found: Found) -> list[str]:

@@ -11,7 +11,7 @@ from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.detectable import smallest_sizes
 from usmbench.diagnose.evidence import Candidate, Estimate, NamedCause
 from usmbench.diagnose.fitting import NOTHING, Fit
-from usmbench.diagnose.found import Found, borne_out, left_aside, verdict_on
+from usmbench.diagnose.found import Found, left_aside, verdict_on
 from usmbench.diagnose.gain import Gain, held_out_gain
 from usmbench.diagnose.intervals import intervals
 from usmbench.diagnose.knowledge import knowledge_of
@@ -131,9 +131,6 @@ def _report(
     left = found.left_rad_s if named else problem.residual_rad_s
     struck = () if sporadic is None else sporadic.struck
     gain = held_out_gain(problem, fit, struck)
-    borne = borne_out(says, fit, gain) if named and sporadic is None else says
-    if borne != says:
-        return _report(found, None, borne, model, testable, refused, warnings)
     causes = [] if not named else _causes(found, named, fit, gain, struck)
     if sporadic is not None:
         most = max((ranking[0].statistic for ranking in named), default=0.0)

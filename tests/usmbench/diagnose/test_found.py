@@ -6,8 +6,7 @@ import pytest
 from known_motor import NOISE_RAD_S, applied, driven, identified
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.fitting import Fit
-from usmbench.diagnose.found import Found, borne_out, left_aside, verdict_on
-from usmbench.diagnose.gain import Gain
+from usmbench.diagnose.found import Found, left_aside, verdict_on
 from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.naming import Ranked
 from usmbench.diagnose.problem import Problem
@@ -61,25 +60,6 @@ def test_a_size_that_is_all_it_may_be_is_no_explanation(asymmetry: float, verdic
     named = [[Ranked(cause.effect, fit, 9e3, 0.0, 9e3)]]
     before, after = Whole(9e3, 0.0, problem.n_rows), Whole(0.0, 1.0, problem.n_rows)
     assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), None) == verdict
-
-
-@pytest.mark.parametrize(
-    ("simulation_rad_s", "high", "verdict"),
-    [
-        (1.02, 0.01, "explained"),  # little to be gained
-        (1.5, 0.99, "explained"),
-        (1.5, 0.3, "partly_explained"),
-        (1.5, 0.01, "unexplained"),
-    ],
-)
-def test_a_name_that_gains_little_of_much_does_not_explain_it(
-    simulation_rad_s: float, high: float, verdict: str
-) -> None:
-    gain = Gain(simulation_rad_s, 1.0, 1.0, high / 2.0, 0.0, high)
-    weight = applied("load_torque", "weight", one_sided_rad_s=0.1)
-    assert borne_out("explained", Fit((weight,), 0.0, 0.0), gain) == verdict
-    lost = applied("missed_counts", "of all", share_lost=0.05, above_rad_s=9.0)
-    assert borne_out("explained", Fit((lost,), 0.0, 0.0), gain) == "explained"
 
 
 @pytest.mark.parametrize(("share", "verdict"), [(0.05, "explained"), (0.15, "unexplained")])
