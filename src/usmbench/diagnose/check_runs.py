@@ -5,7 +5,6 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.problem import Problem
 from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.same_windows import check_windows
@@ -13,7 +12,6 @@ from usmbench.runs.check_record import check_numbers
 from usmbench.runs.record import Record
 
 _FEWEST_WINDOWS = 60
-_UNKNOWN, _MANY = 0.1, 0.2  # of the highest speed; of the rows
 _TURNS_RAD_S = 1.0  # an encoder of 500 lines then counts three times in a window of 10 ms
 
 
@@ -112,31 +110,6 @@ def check_moves(record: Record, simulated_rad_s: Sequence[NDArray[np.float64]]) 
             f"{record.name}: every speed is 0 where the model turns; is the encoder connected, "
             "and was the drive on?"
         )
-
-
-def unmeasured(problem: Problem) -> list[str]:
-    """Say what of the runs lies where the model was not measured.
-
-    Parameters
-    ----------
-    problem
-        The runs, and how far off the model may be there.
-
-    Returns
-    -------
-    list of str
-        One warning, or none.
-    """
-    uses = [s.use for s in problem.stretches]
-    off_rad_s = np.concatenate(problem.unsure_rad_s(uses))[np.concatenate(uses)]
-    share = float(np.mean(off_rad_s > _UNKNOWN * problem.known.features.top_rad_s))
-    if share < _MANY:
-        return []
-    return [
-        f"on {100.0 * share:.0f} % of the rows the model may be off by {100.0 * _UNKNOWN:.0f} % of "
-        "the highest speed and more, such as between phases that its runs did not drive: they tell "
-        "little; identify it on a run that drives them"
-    ]
 
 
 def check_enough(records: Sequence[Record], n_usable: int) -> None:

@@ -1,7 +1,10 @@
 """Causes as a diagnosis shows them: what is named, the evidence for each, what would have shown."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
+
+_PLAINLY_MORE = 2.0  # times the gain: less may come by chance, and the order of search stands
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +77,20 @@ class NamedCause:
             "meaning": self.meaning,
             "mend": self.mend,
         }
+
+
+def strongest_first(causes: Sequence[NamedCause]) -> list[NamedCause]:
+    """Return causes as the search found them, but one first that plainly gains most.
+
+    Parameters
+    ----------
+    causes
+        In the order in which they earned their names, at least one.
+    """
+    strongest = max(causes, key=lambda cause: cause.gain)
+    if strongest.gain <= _PLAINLY_MORE * causes[0].gain:
+        return list(causes)
+    return [strongest, *(cause for cause in causes if cause is not strongest)]
 
 
 @dataclass(frozen=True, slots=True)

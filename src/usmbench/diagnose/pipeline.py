@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 
 from usmbench.diagnose.anew import identified_anew
-from usmbench.diagnose.check_runs import check_moves, unmeasured
+from usmbench.diagnose.check_runs import check_moves
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.detectable import smallest_sizes
-from usmbench.diagnose.evidence import Candidate, Estimate, NamedCause
+from usmbench.diagnose.evidence import Candidate, Estimate, NamedCause, strongest_first
 from usmbench.diagnose.fitting import NOTHING, Fit
-from usmbench.diagnose.found import Found, left_aside, verdict_on
+from usmbench.diagnose.found import Found, left_aside, unmeasured, verdict_on
 from usmbench.diagnose.gain import Gain, held_out_gain
 from usmbench.diagnose.intervals import intervals
 from usmbench.diagnose.knowledge import knowledge_of
@@ -30,7 +30,6 @@ from usmbench.model.hammerstein import HammersteinModel
 from usmbench.runs.record import Record
 
 _MOST_POINTS = 3000
-_PLAINLY_MORE = 2.0  # times the gain: less may come by chance, and the order of search stands
 
 
 def diagnose(records: Sequence[Record], model: HammersteinModel) -> Diagnosis:
@@ -100,7 +99,7 @@ def _diagnosed(
     if sporadic is not None and sporadic.named.name in {r[0].effect.name for r in found.named}:
         sporadic = None
     says = verdict_on(found, sporadic)
-    told = (*warnings, *unmeasured(found.problem))
+    told = (*warnings, *unmeasured(found))
     return _report(found, sporadic, says, model, testable, tuple(refused.items()), told)
 
 
@@ -162,7 +161,7 @@ def _report(
 def _causes(
     found: Found, named: Sequence[list[Ranked]], fit: Fit, gain: Gain, struck: Sequence[Mask]
 ) -> list[NamedCause]:
-    """Describe the named causes, one that plainly explains most of unseen blocks first."""
+    """Describe the named causes, the strongest first."""
     problem = found.problem
     ranges = intervals(problem, fit, found.spread)
     causes = []
@@ -184,11 +183,7 @@ def _causes(
                 share,
             )
         )
-    strongest = max(causes, key=lambda cause: cause.gain)
-    if strongest.gain > _PLAINLY_MORE * causes[0].gain:
-        causes.remove(strongest)
-        causes.insert(0, strongest)
-    return causes
+    return strongest_first(causes)
 
 
 def _estimates(applied: Applied, ranges: dict[str, tuple[float, float]]) -> tuple[Estimate, ...]:

@@ -15,6 +15,7 @@ _SAYS = {
     "angle": "the residual depends on the shaft's angle, most around {at:.3g} rad",
     "speed": "the residual depends on the speed, most around {at:.3g} rad/s",
 }
+_VERSUS = {"gain over time": "time"}  # views of one thing
 LOUD = 1.5  # times the noise of the model's runs, from which on it is a finding by itself
 
 
@@ -41,6 +42,6 @@ def describe(views: Sequence[View], spread: float) -> Remainder | None:
     says = _SAYS[worst.versus].format(at=float(worst.centre[k]))
     size = float(worst.after_rad_s[k])
     return Remainder(
-        worst.versus.removeprefix("gain over "),
+        _VERSUS.get(worst.versus, worst.versus),
         f"{says} ({size:+.3g} rad/s, {worst.excess_after:.2g} times what noise would leave)",
     )

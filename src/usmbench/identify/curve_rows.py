@@ -21,7 +21,7 @@ _MOST_ROWS = 4000
 _FEWEST_DWELLS, _FEWEST_PHASES = 10, 10
 _LEVELS, _MOST_OF_THEM = 60, 0.9  # phases of a staircase, at most; a reference that glides has more
 _STANDING_SPEED = 0.002  # of the highest: less is standstill
-_TWICE, _REPEATS = 1.5, 0.005  # dwells a phase; of the highest speed
+_AGAIN, _REPEATS = 1.5, 0.005  # dwells a phase; of the highest speed
 _BY_CHANCE = 3.0  # standard errors of a median: less is standstill, too
 _WILD_SCALES, _WILD_SHARE = 10.0, 0.1  # of the residual's scale, of the highest speed
 
@@ -155,7 +155,7 @@ def _scatter(phase_deg: Array, speed_rad_s: Array, error_rad_s: float) -> tuple[
     means = np.bincount(place, weights=speed_rad_s) / counts
     scatter_rad_s = float(np.sqrt(np.mean((speed_rad_s - means[place]) ** 2)))
     each_rad_s = max(error_rad_s, scatter_rad_s)
-    if phase_deg.size < _TWICE * distinct.size:
+    if phase_deg.size < _AGAIN * distinct.size:
         each_rad_s = max(each_rad_s, _REPEATS * float(np.max(np.abs(speed_rad_s))))
     return scatter_rad_s, each_rad_s * float(np.sqrt(distinct.size / phase_deg.size))
 

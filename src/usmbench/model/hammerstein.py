@@ -49,7 +49,7 @@ class StaticCurve:
         phase_deg
             Phases, shape (N,). Beyond the knots, where the paper's curve is not defined, it goes on
             as steeply as it ends, ever less so; how far that is admissible is the caller's to know,
-            see `HammersteinModel.outside`.
+            see `usmbench.model.mixed_curve.beyond_range`.
         """
         held_deg = np.clip(phase_deg, self.knots_deg[0], self.knots_deg[-1])
         speed_rad_s = self._within(held_deg)

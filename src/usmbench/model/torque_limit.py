@@ -20,7 +20,7 @@ from scipy.special import spence
 
 Array = NDArray[np.float64]
 
-_TINY = 1e-12
+_TINY = 1e-12  # of s: no slip at all has no level
 _CLOSE = 1e-5  # of s; Newton's next step would be the square of it
 _STEP, _LOWEST, _HIGHEST = 1.0 / 128.0, -40.0, 20.0  # of levels; y is 4e-18 and u + log 2 there
 _LEVELS = np.arange(_LOWEST, _HIGHEST + _STEP / 2.0, _STEP)

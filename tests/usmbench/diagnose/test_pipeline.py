@@ -127,14 +127,6 @@ def test_phases_that_no_reference_drove_are_told() -> None:
     assert any("the model may be off" in words for words in diagnose([others], model).warnings)
 
 
-def test_the_strongest_cause_comes_first(model: HammersteinModel) -> None:
-    weak = applied("gain_asymmetry", "balanced", asymmetry=0.006)
-    strong = applied("phase_quantisation", "rounded", step_deg=9.0)
-    found = diagnose([measured(7, weak, strong)], model)
-    assert [cause.name for cause in found.causes] == ["phase_quantisation", "gain_asymmetry"]
-    assert found.causes[0].gain > found.causes[1].gain
-
-
 @pytest.mark.parametrize(
     "hidden",
     [

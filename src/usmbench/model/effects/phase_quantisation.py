@@ -76,9 +76,9 @@ class RoundedPhase(Effect):
         if not _many_phases(contexts):
             return {"step_deg": np.array(_USUAL_DEG)}
         farthest_deg = max(float(np.max(np.abs(c.phase_deg))) for c in contexts)
-        even = farthest_deg / np.arange(1.0, farthest_deg / _FINEST_DEG, 0.5)
-        coarse = farthest_deg / np.arange(1.25, farthest_deg / _COARSE_DEG, 0.5)
-        tried = np.unique([*_USUAL_DEG, *even, *coarse])
+        fine = np.arange(1.0, farthest_deg / _FINEST_DEG, 0.5)
+        coarse = np.arange(1.0, farthest_deg / _COARSE_DEG, 0.25)
+        tried = np.unique([*_USUAL_DEG, *(farthest_deg / np.r_[fine, coarse])])
         return {"step_deg": tried[tried <= _COARSEST_DEG]}
 
     def habitual(self, contexts: Sequence[Context]) -> bool:
