@@ -1,7 +1,7 @@
 """What an extension gains on blocks of the runs that its fit has not seen."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,7 +68,7 @@ def held_out_gain(problem: Problem, fit: Fit, struck: Sequence[Mask] = ()) -> Ga
     alone = struck or [np.zeros_like(mask) for mask in problem.masks]
     masks = [mask & ~a for mask, a in zip(problem.masks, alone, strict=True)]
     for stretch, after, mask, block in zip(problem.stretches, held, masks, blocks, strict=True):
-        level = problem.noise.level_rad_s(stretch)
+        level = problem.noise.level_rad_s(replace(stretch, moment_rad_s=0.0))
         scored = stretch.use & mask
         plain = stretch.use if struck else scored
         sums.append(

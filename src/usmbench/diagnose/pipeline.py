@@ -7,6 +7,7 @@ import numpy as np
 
 from usmbench.diagnose.anew import identified_anew
 from usmbench.diagnose.check_runs import check_moves
+from usmbench.diagnose.command_times import any_moment_s, at_unknown_moments, unknown_moments
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.detectable import smallest_sizes
 from usmbench.diagnose.evidence import Candidate, Estimate, NamedCause, strongest_first
@@ -80,7 +81,11 @@ def searched(stretches: Sequence[Stretch], model: HammersteinModel) -> Found:
     """
     contexts = [s.context for s in stretches]
     effects = [e for e in library() if not e.sporadic and e.untestable(contexts) is None]
-    return search(stretches, knowledge_of(model), own_effects(model), effects)
+    known = knowledge_of(model)
+    late_s = max(known.wander.late_s, any_moment_s(stretches))
+    known = replace(known, wander=replace(known.wander, late_s=late_s))
+    marked = at_unknown_moments(stretches, late_s)
+    return search(marked, known, own_effects(model), effects)
 
 
 def _diagnosed(
@@ -99,7 +104,7 @@ def _diagnosed(
     if sporadic is not None and sporadic.named.name in {r[0].effect.name for r in found.named}:
         sporadic = None
     says = verdict_on(found, sporadic)
-    told = (*warnings, *unmeasured(found))
+    told = (*warnings, *unknown_moments(found.problem.stretches), *unmeasured(found))
     return _report(found, sporadic, says, model, testable, tuple(refused.items()), told)
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from usmbench.diagnose.command_times import any_moment_s, at_unknown_moments
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.features_of_runs import features_of
 from usmbench.diagnose.knowledge import KEY, Knowledge
@@ -83,6 +84,8 @@ def measure_knowledge(stretches: Sequence[Stretch], habits: Sequence[Applied] = 
     habits
         What they show anyhow, with which they were cut.
     """
+    any_s = any_moment_s(stretches)
+    stretches = at_unknown_moments(stretches, any_s)
     features = features_of(stretches)
     shapes = [np.column_stack(list(features.columns(s))) for s in stretches]
     residuals = [s.residual_rad_s for s in stretches]
@@ -121,5 +124,6 @@ def measure_knowledge(stretches: Sequence[Stretch], habits: Sequence[Applied] = 
     far = off_steps(stretches, left, far)
     n_spikes, n_steady = count_steady(stretches, far)
     used_s = max(n_steady, 1) * stretches[0].context.window_s
+    wander = replace(wander, late_s=max(wander.late_s, any_s))
     entries = tuple(applied.to_mapping() for applied in habits)
     return Knowledge(noise, features, mean, root, wander, n_spikes / used_s, entries)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.basis import Basis
 from usmbench.diagnose.chance import chancy_of
+from usmbench.diagnose.command_times import at_moments_of
 from usmbench.diagnose.found import Found, verdict_on
 from usmbench.diagnose.knowledge import Knowledge
 from usmbench.diagnose.naming import SIGNIFICANT, Ranked, rank
@@ -51,6 +52,9 @@ def search(
         Causes to weigh, none of them sporadic.
     """
     problem, left, best = _with_its_noise(stretches, known, own, effects)
+    if best and any(np.any(s.moment_rad_s) for s in stretches):
+        stretches = at_moments_of(stretches, problem.change_rad_s(best))
+        problem, left, best = _with_its_noise(stretches, known, own, effects)
     weighed = _Weighed.of(problem, left, best, effects)
     named, found = weighed.one_by_one(effects)
     unclear = _unclear(found)

@@ -68,6 +68,8 @@ class Stretch:
         Place among them in frequency and torque, as far as they differ, from -1 to 1.
     before
         What the run did before.
+    moment_rad_s
+        What the speed may be off by where nobody knows when a command acted, or 0.
     """
 
     run: int
@@ -84,6 +86,7 @@ class Stretch:
     points: tuple[Array, ...]
     places: tuple[Array, ...]
     before: Before
+    moment_rad_s: Array | float = 0.0
 
     @property
     def again(self) -> NDArray[np.int64]:

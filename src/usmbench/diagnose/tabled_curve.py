@@ -27,9 +27,7 @@ class TabledCurve:
 
     def __init__(self, speed_rad_s: Sequence[Array], weights: Sequence[Array], own_deg: Array):
         used = [k for k, w in enumerate(weights) if np.any(w)] or [0]
-        self._table = np.column_stack([speed_rad_s[k] for k in used])
-        self._rise = np.diff(self._table, axis=0)
-        self._weights = np.column_stack([weights[k] for k in used])
+        self._parts = [(speed_rad_s[k], np.diff(speed_rad_s[k]), weights[k]) for k in used]
         self._own_deg, self._own_rad_s = own_deg, self._looked_up(own_deg)
         self._own_rad_s.flags.writeable = False
 
@@ -46,6 +44,7 @@ class TabledCurve:
     def _looked_up(self, phase_deg: Array) -> Array:
         place = np.clip((phase_deg - _LOW_DEG) * (_CELLS / (_HIGH_DEG - _LOW_DEG)), 0.0, _CELLS)
         left = np.minimum(place.astype(np.intp), _CELLS - 1)
-        speeds = self._table[left] + (place - left)[:, None] * self._rise[left]
-        total: Array = np.einsum("nk,nk->n", self._weights, speeds)
+        total = np.zeros(left.size)
+        for table, rise, weight in self._parts:
+            total += weight * (table.take(left) + (place - left) * rise.take(left))
         return total

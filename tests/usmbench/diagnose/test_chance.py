@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from known_motor import WINDOW_S, applied, driven, identified, measured
 from usmbench.diagnose.chance import leaves_scatter, scatters
 from usmbench.diagnose.cut_runs import cut_runs
+from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.naming import rank, telling_deviance
-from usmbench.diagnose.pipeline import diagnose, searched
+from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.problem import Problem
 from usmbench.model.effects.registry import find_effect
 from usmbench.model.extended import Applied
@@ -59,7 +60,9 @@ def _names(record: Record, model: HammersteinModel) -> list[str]:
 
 
 def _problem(record: Record, model: HammersteinModel) -> Problem:
-    return searched(cut_runs([record], model, ())[0], model).problem
+    known, (stretches, _) = knowledge_of(model), cut_runs([record], model, ())
+    assert known.noise is not None
+    return Problem(stretches, known, known.noise, [s.use for s in stretches])
 
 
 @pytest.mark.parametrize("lines", [0.12, 0.5])

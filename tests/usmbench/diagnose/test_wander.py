@@ -40,7 +40,7 @@ def _driven(
     warms: float = 0.0,
 ) -> Record:
     """Return a run on a day of its own, half of it at each frequency, in an order that turns."""
-    n = 3000
+    n = 2000
     rng = np.random.default_rng(seed)
     phase_deg = np.repeat(rng.uniform(-88.0, 88.0, n // 10), 10)
     frequency_hz = np.repeat(sorted(SLIP_RAD_S, reverse=bool(seed % 2)), n // 2)
@@ -152,7 +152,7 @@ def test_a_habit_that_is_half_again_as_strong_is_half_of_its_departure(
 def test_friction_takes_most_near_standstill_and_nothing_at_the_top(
     plain: HammersteinModel,
 ) -> None:
-    (stretch,), _ = cut_runs([_driven(1, 1.0, 1.0)], plain, ())
+    (stretch,), _ = cut_runs([_driven(3, 1.0, 1.0)], plain, ())
     gain, _, tilted, _, _, _, *held_back, _, _, _ = departures(
         stretch, np.zeros((stretch.context.n, 2)), ()
     ).T
