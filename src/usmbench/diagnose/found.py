@@ -22,6 +22,7 @@ _LEAST_EXCESS = 0.25
 _MOST_LEFT = 0.4  # as a share; what verdict() calls partly explained ends there, too
 _GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by a tenth
 _TRIFLE = 0.01  # of what there was: what a form of an effect may be off by
+_MOSTLY = 0.5  # of what is off
 _SCATTER = 0.5  # of what is left: the rest is smooth
 _UNKNOWN, _MANY_ROWS = 0.1, 0.2  # of the highest speed; of the rows
 _AT_END = 0.99  # of the way from nothing to the end of what a size may be
@@ -64,6 +65,15 @@ class Found:
     def beyond_noise(self) -> float:
         """Deviance beyond the noise and all that is known, over the noise's spread."""
         return self.problem.deviance / self.spread**2 - self.problem.n_rows
+
+    @property
+    def off_in_all(self) -> float:
+        """Deviance beyond the noise that the names leave in all rows, judged or not."""
+        parts = zip(self.problem.stretches, self.left_rad_s, strict=True)
+        return sum(
+            float(np.sum(((left / self.problem.noise.level_rad_s(s)) ** 2 - 1.0)[s.use]))
+            for s, left in parts
+        )
 
     @property
     def mostly_left(self) -> bool:
@@ -132,7 +142,8 @@ def verdict_on(found: Found, sporadic: Sporadic | None) -> Verdict:
     if found.named:
         return _on_named(found)
     # Windows that stand alone are not the matter where most is wrong elsewhere.
-    if sporadic is not None and sporadic.deviance > found.before.excess:
+    elsewhere = max(found.before.excess, _MOSTLY * found.off_in_all)
+    if sporadic is not None and sporadic.deviance > elsewhere:
         return "explained" if found.before.p_value > PLAINLY else "partly_explained"
     return _on_nothing_named(found)
 
