@@ -4,12 +4,16 @@ A large effect that is right in its kind leaves a share of itself, by speed, dir
 since each kind of step, that a further cause would be made of.
 """
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.noise import KINDS, step_kind
 from usmbench.diagnose.stretches import Stretch
 from usmbench.model.effects.base import PHYSICS
+from usmbench.model.extended import Applied, extended_run
 from usmbench.model.polygon import hats
 
 Array = NDArray[np.float64]
@@ -44,3 +48,32 @@ def off_in_form(stretch: Stretch, change_rad_s: Array, form_off: float = PHYSICS
     later = np.diff(change_rad_s, prepend=change_rad_s[:1])
     every = (change_rad_s[:, None] * np.column_stack(columns), later)
     return np.asarray(form_off * np.column_stack(every))
+
+
+def doubting_own(
+    stretches: Sequence[Stretch], own: Sequence[Applied], doubted: Sequence[Applied]
+) -> list[Stretch]:
+    """Say how far the effects of an extended model may be off.
+
+    Parameters
+    ----------
+    stretches
+        The runs.
+    own
+        All effects with which they were simulated.
+    doubted
+        Those among them that a diagnosis has named.
+    """
+    if not doubted:
+        return list(stretches)
+    return [replace(s, doubt_rad_s=_own_off(s, own, doubted)) for s in stretches]
+
+
+def _own_off(stretch: Stretch, own: Sequence[Applied], doubted: Sequence[Applied]) -> Array:
+    """Return by what a model's own effects may be off, shape (N, D)."""
+    parts = []
+    for each in doubted:
+        without = extended_run([a for a in own if a is not each], stretch.context).speed_rad_s
+        change = stretch.simulated_rad_s - without
+        parts.append(off_in_form(stretch, change, each.effect.form_off))
+    return np.column_stack(parts)

@@ -145,7 +145,7 @@ def verdict_on(found: Found, sporadic: Sporadic | None) -> Verdict:
     elsewhere = max(found.before.excess, _MOSTLY * found.off_in_all)
     if sporadic is not None and sporadic.deviance > elsewhere:
         return "explained" if found.before.p_value > PLAINLY else "partly_explained"
-    return _on_nothing_named(found)
+    return on_nothing_named(found)
 
 
 def left_aside(found: Found) -> list[str]:
@@ -197,8 +197,14 @@ def unmeasured(found: Found) -> list[str]:
     ]
 
 
-def _on_nothing_named(found: Found) -> Verdict:
-    """Say whether there is something to be named."""
+def on_nothing_named(found: Found) -> Verdict:
+    """Say whether there is something to be named.
+
+    Parameters
+    ----------
+    found
+        What the search came to.
+    """
     if found.spread > LOUD:
         return "unexplained"
     whole = found.before
@@ -213,7 +219,7 @@ def _on_named(found: Found) -> Verdict:
         return "unexplained"
     # Scatter is not smooth: what the views show of it is little.
     if chancy_of(found.fit.effects) and found.leaves_more:
-        return _on_nothing_named(found)
+        return on_nothing_named(found)
     if found.patched or found.at_an_end or (says != "explained" and found.on_a_grid):
         return "unexplained"
     # Several that leave something are patches on what the library does not know.

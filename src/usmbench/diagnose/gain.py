@@ -19,6 +19,7 @@ _MARGIN = 5  # windows beyond the memory of the dynamics
 _BLOCKS = 12
 _DRAWS = 400
 _SEED = 1
+_WORSE = 1.04  # times the mean square: what explains by the whitened residual has to predict, too
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +41,11 @@ class Gain:
     gain: float
     low: float
     high: float
+
+    @property
+    def worse(self) -> bool:
+        """Whether the extension predicts plainly worse than the model as given."""
+        return self.rmse_extended_rad_s**2 > _WORSE * self.rmse_simulation_rad_s**2
 
 
 def held_out_gain(problem: Problem, fit: Fit, struck: Sequence[Mask] = ()) -> Gain:

@@ -119,10 +119,13 @@ class Knowledge:
             shapes = np.column_stack([none, *compress(self.features.columns(s), shaped)])
             own = departures(s, self.features.warming(s, shapes @ warms), habits)
             between = between_nodes(s, self.features, off_rad_s)
-            found.append(np.column_stack([shapes, between, *(own * (s.run == r) for r in runs)]))
-        apart = np.diag(np.tile(self.wander.deviations, len(runs)))
-        unsure = np.eye(int(np.count_nonzero(off_rad_s)))
-        return found, block_diag(self.root[np.ix_(shaped, ways)], unsure, apart)
+            doubt = none if s.doubt_rad_s is None else s.doubt_rad_s
+            apart = (own * (s.run == r) for r in runs)
+            found.append(np.column_stack([shapes, between, doubt, *apart]))
+        wanders = np.diag(np.tile(self.wander.deviations, len(runs)))
+        known = self.root[np.ix_(shaped, ways)]
+        unsure = np.eye(found[0].shape[1] - known.shape[0] - wanders.shape[0])
+        return found, block_diag(known, unsure, wanders)
 
     def to_mapping(self) -> dict[str, Any]:
         """Return what the model file keeps."""

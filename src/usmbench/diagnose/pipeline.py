@@ -12,7 +12,8 @@ from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.detectable import smallest_sizes
 from usmbench.diagnose.evidence import Candidate, Estimate, NamedCause, strongest_first
 from usmbench.diagnose.fitting import NOTHING, Fit
-from usmbench.diagnose.found import Found, left_aside, unmeasured, verdict_on
+from usmbench.diagnose.form import doubting_own
+from usmbench.diagnose.found import Found, left_aside, on_nothing_named, unmeasured, verdict_on
 from usmbench.diagnose.gain import Gain, held_out_gain
 from usmbench.diagnose.intervals import intervals
 from usmbench.diagnose.knowledge import knowledge_of
@@ -48,14 +49,23 @@ def diagnose(records: Sequence[Record], model: HammersteinModel) -> Diagnosis:
     usmbench.errors.InputError
         Runs that do not belong to the model or together, or too short to say anything.
     """
-    stretches, warnings = cut_runs(records, model, own_effects(model))
+    stretches, warnings = _cut(records, model)
     for run, record in enumerate(records):
         check_moves(record, [s.simulated_rad_s for s in stretches if s.run == run])
     anew = identified_anew(stretches, model, library())
     if anew is None:
         return _diagnosed(stretches, warnings, model)
-    again, _ = cut_runs(records, anew.model, own_effects(anew.model))
+    again, _ = _cut(records, anew.model)
     return anew.told(_diagnosed(again, warnings, anew.model))
+
+
+def _cut(
+    records: Sequence[Record], model: HammersteinModel
+) -> tuple[list[Stretch], list[str]]:
+    """Cut runs, and doubt the effects by which the model was extended."""
+    own = own_effects(model)
+    stretches, warnings = cut_runs(records, model, own)
+    return doubting_own(stretches, own, own[: len(model.effects)]), warnings
 
 
 def own_effects(model: HammersteinModel) -> tuple[Applied, ...]:
@@ -135,6 +145,9 @@ def _report(
     left = found.left_rad_s if named else problem.residual_rad_s
     struck = () if sporadic is None else sporadic.struck
     gain = held_out_gain(problem, fit, struck)
+    if named and gain.worse:
+        told = on_nothing_named(found)
+        return _report(found, None, told, model, testable, refused, warnings)
     causes = [] if not named else _causes(found, named, fit, gain, struck)
     if sporadic is not None:
         most = max((ranking[0].statistic for ranking in named), default=0.0)
