@@ -59,9 +59,7 @@ def diagnose(records: Sequence[Record], model: HammersteinModel) -> Diagnosis:
     return anew.told(_diagnosed(again, warnings, anew.model))
 
 
-def _cut(
-    records: Sequence[Record], model: HammersteinModel
-) -> tuple[list[Stretch], list[str]]:
+def _cut(records: Sequence[Record], model: HammersteinModel) -> tuple[list[Stretch], list[str]]:
     """Cut runs, and doubt the effects by which the model was extended."""
     own = own_effects(model)
     stretches, warnings = cut_runs(records, model, own)

@@ -21,6 +21,7 @@ _PARTS = 8  # of the speeds, from slow to fast
 _MOST_ALONE, _MOST_IN_PART = 0.1, 0.25  # more is no exception
 _AROUND = 3  # windows: with the one before and the one after
 _BESIDE, _AS_OTHERS = 11, 0.5  # windows; of what a window is off by
+_DIGITS, _WHOLE = 6, 0.02  # of a speed in rad/s; counts: how far from a whole one
 PLAIN = 7.0  # so far that only a miscount remains
 FAR = 6.0  # standard deviations: once in 5·10⁸ windows of normal noise
 
@@ -85,6 +86,20 @@ def moved_rad_s(stretch: Stretch) -> Array:
     around = maximum_filter1d(speed, _AROUND) - minimum_filter1d(speed, _AROUND)
     top_rad_s = float(np.max(np.abs(stretch.settled_rad_s), initial=0.0))
     return np.asarray(np.maximum(around, _RUNNING * top_rad_s))
+
+
+def whole_count_rad_s(stretch: Stretch) -> float:
+    """Return the speed of one count a window where all speeds are whole counts, else next to 0.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    speeds = np.unique(np.round(np.abs(stretch.speed_rad_s), _DIGITS))
+    count_rad_s = stretch.context.count_rad_s or float(np.min(np.diff(speeds), initial=np.inf))
+    off = speeds / count_rad_s
+    return count_rad_s if np.all(np.abs(off - np.rint(off)) < _WHOLE) else 0.0
 
 
 def count_steady(stretches: Sequence[Stretch], far: Sequence[Mask]) -> tuple[int, int]:

@@ -20,6 +20,7 @@ from usmbench.diagnose.spikes import (
     off_steps,
     spiked,
     steady,
+    whole_count_rad_s,
 )
 from usmbench.diagnose.stretches import Mask
 from usmbench.model.effects.base import PHYSICS
@@ -34,7 +35,8 @@ Array = NDArray[np.float64]
 _FEWEST = 3
 _TOLD = 2  # healthy runs have one now and then
 _AS_USUAL = 2.0  # times the rate of the identified runs: their plans differ
-_OF_COUNT = 0.25  # a counter is off by whole ones
+# A counter is off by whole ones; where speeds are whole counts, rounding makes one of every window.
+_OF_COUNT, _OF_WHOLE = 0.25, 1.5
 # What an effect's form may be off by is no count, nor what it changes by beside the window.
 _OF_EFFECT, _SOON, _BESIDE = 3.0 * PHYSICS, 3, 5  # share; windows around
 
@@ -186,7 +188,10 @@ def _alone(
     far = spiked(problem.stretches, left, problem.noise, near_steps=True, times=PLAIN * spread)
     far = off_steps(problem.stretches, left, far)
     beyond = _beyond(problem, left, far, spread)
-    least_rad_s = [_OF_COUNT * (s.context.count_rad_s or 0.0) for s in problem.stretches]
+    least_rad_s = [
+        max(_OF_COUNT * (s.context.count_rad_s or 0.0), _OF_WHOLE * whole_count_rad_s(s))
+        for s in problem.stretches
+    ]
     changes = problem.change_rad_s(effects)
     parts = zip(beyond, left, least_rad_s, changes, strict=True)
     return [b & (np.abs(r) > np.maximum(least, _off_rad_s(c))) for b, r, least, c in parts]

@@ -1,11 +1,16 @@
 """What a large effect leaves of itself is no news, and what acts where it does not is."""
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
+from known_motor import applied, identified, measured
 from usmbench.diagnose.form import off_in_form
 from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.noise_estimate import estimate_noise
+from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.stretches import Stretch
 from usmbench.model.effects.base import DEFINITION, PHYSICS
@@ -51,3 +56,13 @@ def test_a_doubted_effect_leaves_its_share_and_no_more(
         assert deviance(doubting, known) < 0.05 * deviance(problem, known)
     assert deviance(doubting, elsewhere) > 0.9 * deviance(problem, elsewhere)
     assert deviance(doubting, 10.0 * tenth) > 50.0 * deviance(doubting, tenth)
+
+
+@pytest.mark.parametrize(("added_s", "named"), [(5.2e-3, []), (9e-3, ["slow_dynamics"])])
+def test_an_extended_model_may_be_off_in_form_and_sees_what_has_grown(
+    added_s: float, named: list[str]
+) -> None:
+    lag = applied("slow_dynamics", "", added_s=5e-3)
+    extended = replace(identified(), effects=(lag.to_mapping(),))
+    record = measured(5, applied("slow_dynamics", "", added_s=added_s))
+    assert [cause.name for cause in diagnose([record], extended).causes] == named

@@ -9,6 +9,7 @@ import pytest
 from known_motor import NOISE_RAD_S, WINDOW_S, applied, driven, identified, measured
 from usmbench.diagnose import found as found_module
 from usmbench.diagnose import stepwise
+from usmbench.diagnose.gain import Gain
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.reference import with_knowledge
 from usmbench.errors import InputError
@@ -316,3 +317,22 @@ class TestBadInput:
         broken = replace(model, residual={"diagnosis": {"noise": 3}})
         with pytest.raises(InputError, match="is damaged"):
             diagnose([measured(3, n=500)], broken)
+
+
+def test_what_predicts_worse_is_no_name(
+    model: HammersteinModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    record = measured(12, applied("phase_offset", "", offset_deg=0.5))
+    (cause,) = diagnose([record], model).causes
+    assert cause.name == "phase_offset"
+    monkeypatch.setattr(Gain, "worse", True)
+    found = diagnose([record], model)
+    assert found.verdict == "unexplained"
+    assert found.causes == ()
+    assert found.remainder is not None
+    assert found.extended.effects == ()
+
+
+@pytest.mark.parametrize(("after", "worse"), [(0.1, False), (0.101, False), (0.103, True)])
+def test_a_little_worse_is_chance(after: float, worse: bool) -> None:
+    assert Gain(0.1, after, 0.05, 0.0, 0.0, 0.0).worse == worse

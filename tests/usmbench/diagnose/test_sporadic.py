@@ -7,13 +7,14 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import sawtooth
 
-from known_motor import NOISE_RAD_S, applied, driven, identified, measured
+from known_motor import CURVE, NOISE_RAD_S, WINDOW_S, applied, driven, identified, measured
 from usmbench.diagnose.cut_runs import cut_runs
 from usmbench.diagnose.fitting import NOTHING
 from usmbench.diagnose.gain import held_out_gain
 from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.problem import Problem
+from usmbench.diagnose.spikes import whole_count_rad_s
 from usmbench.diagnose.sporadic import find_sporadic, left_unnamed
 from usmbench.model.extended import Applied
 from usmbench.runs.record import Record
@@ -202,3 +203,25 @@ def test_false_counts_among_the_judged_windows_are_gained_too() -> None:
     gain = held_out_gain(problem, NOTHING, sporadic.struck)
     assert gain.gain > 0.8
     assert gain.rmse_extended_rad_s < 0.5 * gain.rmse_simulation_rad_s
+
+
+@pytest.mark.parametrize(("counts", "found"), [(1, False), (2, True)])
+def test_where_speeds_are_whole_counts_one_more_is_no_false_count(counts: int, found: bool) -> None:
+    count_rad_s = 2.0 * np.pi / 2000.0 / WINDOW_S
+    fine_deg = np.linspace(20.0, 88.0, 5000)
+    phases_deg = np.interp(count_rad_s * np.arange(10, 32), CURVE.speed_rad_s(fine_deg), fine_deg)
+    model, rng = identified(), np.random.default_rng(4)
+    record = driven(np.repeat(rng.choice(phases_deg, 100), 20), 4)
+    whole = np.rint(CURVE.speed_rad_s(record.phase_deg) / count_rad_s)
+    whole[15::200] += counts
+    (stretch,), _ = cut_runs([replace(record, speed_rad_s=count_rad_s * whole)], model, ())
+    known = knowledge_of(model)
+    assert known.noise is not None
+    problem = Problem([stretch], known, known.noise, [stretch.use])
+    assert whole_count_rad_s(stretch) == pytest.approx(count_rad_s)
+    assert (find_sporadic(problem, (), 1.0) is not None) == found
+
+
+def test_finer_speeds_are_no_whole_counts() -> None:
+    (stretch,), _ = cut_runs([measured(4)], identified(), ())
+    assert whole_count_rad_s(stretch) < 1e-5

@@ -1,4 +1,11 @@
-"""A steady torque that the simulation does not know."""
+"""A steady torque that the simulation does not know.
+
+Where the curve leaves the dead zone in a sharp bend, a torque takes its speed until the rotor
+stands. Where the bend is gradual, v = ½ (u + √(u² + r²)) of a straight line u, it moves along
+the bend: the torque takes its speed from u.
+"""
+
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -13,6 +20,29 @@ def _braked(signal: Array, loss_rad_s: Array) -> Array:
     slower = signal - loss_rad_s
     reversed_way = signal * slower < 0.0
     return np.where((signal == 0.0) | reversed_way, 0.0, slower)
+
+
+_ROUNDED = Parameter("rounded_rad_s", "rad/s", 0.3, 1e-3, 5.0, 0.3, scanned=True)
+_SHARES = (0.01, 0.03, 0.06, 0.12, 0.25)  # of the highest speed
+_STANDS = 1e-9
+
+
+def _along_bend(signal: Array, loss_rad_s: Array, rounded_rad_s: float) -> Array:
+    """Take a loss from the straight line that a gradual bend rounds off."""
+    size = np.maximum(np.abs(signal), _STANDS)
+    straight = size - rounded_rad_s**2 / (4.0 * size) - np.sign(signal) * loss_rad_s
+    # As (u + √(u² + r²)) / 2, which cancels where u is far below 0.
+    root = np.hypot(straight, rounded_rad_s)
+    slower = np.where(
+        straight > 0.0, 0.5 * (straight + root), 0.5 * rounded_rad_s**2 / (root - straight)
+    )
+    return np.where(np.abs(signal) < _STANDS, 0.0, np.sign(signal) * slower)
+
+
+def _rounded_grid(contexts: Sequence[Context]) -> dict[str, Array]:
+    """Return bends up to a quarter of the highest speed."""
+    top = max(float(np.max(np.abs(c.settled_rad_s(c.phase_deg)))) for c in contexts)
+    return {"rounded_rad_s": np.clip(top * np.array(_SHARES), _ROUNDED.low, _ROUNDED.high)}
 
 
 class Weight(Effect):
@@ -57,4 +87,68 @@ class Drag(Effect):
         return _braked(signal, values["drag_rad_s"] * np.sign(signal))
 
 
-FORMS = (Weight(), Drag())
+class WeightAlongBend(Effect):
+    """As a weight where the curve leaves the dead zone gradually: it moves along the bend."""
+
+    name = "load_torque"
+    form = "weight, gradual start"
+    meaning = _MEANING
+    mend = _MEND
+    stage = "settled"
+    parameters = (*Weight.parameters, _ROUNDED)
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the settled speed.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        loss_rad_s = np.full(signal.shape, values["one_sided_rad_s"])
+        return _along_bend(signal, loss_rad_s, values["rounded_rad_s"])
+
+    def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
+        """Return bends up to a quarter of the highest speed.
+
+        Parameters
+        ----------
+        contexts
+            All stretches.
+        """
+        return _rounded_grid(contexts)
+
+
+class DragAlongBend(Effect):
+    """As a drag where the curve leaves the dead zone gradually: it moves along the bend."""
+
+    name = "load_torque"
+    form = "drag, gradual start"
+    meaning = _MEANING
+    mend = _MEND
+    stage = "settled"
+    parameters = (*Drag.parameters, _ROUNDED)
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the settled speed.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        loss_rad_s = values["drag_rad_s"] * np.sign(signal)
+        return _along_bend(signal, loss_rad_s, values["rounded_rad_s"])
+
+    def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
+        """Return bends up to a quarter of the highest speed.
+
+        Parameters
+        ----------
+        contexts
+            All stretches.
+        """
+        return _rounded_grid(contexts)
+
+
+FORMS = (Weight(), Drag(), WeightAlongBend(), DragAlongBend())

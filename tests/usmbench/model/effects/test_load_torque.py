@@ -1,0 +1,82 @@
+"""A torque where the curve leaves the dead zone gradually."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from usmbench.diagnose.pipeline import diagnose
+from usmbench.diagnose.reference import with_knowledge
+from usmbench.identify.fast import FastOptions, identify_fast
+from usmbench.model.effects.base import Context
+from usmbench.model.effects.first_order import first_order
+from usmbench.model.effects.load_torque import DragAlongBend, WeightAlongBend
+from usmbench.model.hammerstein import HammersteinModel
+from usmbench.model.linear import free_run
+from usmbench.runs.record import Record
+
+Array = NDArray[np.float64]
+
+WINDOW_S, NOISE_RAD_S = 0.01, 0.03
+LINEAR = first_order(0.0035, 0.0015, WINDOW_S)
+CONTEXT = Context(np.zeros(1), WINDOW_S, np.zeros(1), lambda phase_deg: phase_deg, LINEAR)
+RUNS = st.floats(0.01, 20.0)
+
+
+def _bent(straight: float, rounded: float) -> float:
+    return 0.5 * (straight + float(np.hypot(straight, rounded)))
+
+
+@given(straight=st.floats(-5.0, 20.0), rounded=st.floats(0.01, 2.0), loss=st.floats(-3.0, 3.0))
+def test_it_moves_along_the_bend(straight: float, rounded: float, loss: float) -> None:
+    speeds = np.array([1.0, -1.0]) * _bent(straight, rounded)
+    drag = DragAlongBend().apply(speeds, CONTEXT, {"drag_rad_s": loss, "rounded_rad_s": rounded})
+    slower = _bent(straight - loss, rounded)
+    assert drag == pytest.approx([slower, -slower], rel=1e-6, abs=1e-6)
+    sizes = {"one_sided_rad_s": loss, "rounded_rad_s": rounded}
+    weight = WeightAlongBend().apply(speeds, CONTEXT, sizes)
+    assert weight == pytest.approx([slower, -_bent(straight + loss, rounded)], rel=1e-6, abs=1e-6)
+
+
+@given(speed=RUNS, rounded=st.floats(0.01, 2.0))
+def test_no_torque_starts_a_rotor_that_stands_and_none_changes_nothing(
+    speed: float, rounded: float
+) -> None:
+    signal = np.array([0.0, speed, -speed])
+    none = {"one_sided_rad_s": 0.0, "rounded_rad_s": rounded}
+    assert WeightAlongBend().apply(signal, CONTEXT, none) == pytest.approx(signal, rel=1e-9)
+    lifted = WeightAlongBend().apply(signal, CONTEXT, {**none, "one_sided_rad_s": -2.0})
+    assert lifted[0] == 0.0
+    assert lifted[1] > speed
+
+
+def _driven(seed: int, drag_rad_s: float = 0.0, weight_rad_s: float = 0.0) -> Record:
+    """Return a run of a motor whose friction differs over the stator: the dead zone ends softly."""
+    rng, n = np.random.default_rng(seed), 3600
+    phase_deg = np.repeat(rng.uniform(-89.0, 89.0, n // 12), 12)
+    sides = np.array([1.0, -1.0])[:, None]
+    top, steep, edge, soft = 10.0, 25.0, 14.0, 0.35
+    along = (sides * phase_deg - edge) / steep
+    straight = top * np.tanh(along) - drag_rad_s - sides * weight_rad_s
+    forward, backward = soft * np.logaddexp(0.0, straight / soft)
+    settled = np.where(np.abs(phase_deg) < 4.0, 0.0, forward - backward)
+    speed = free_run(LINEAR, settled) + NOISE_RAD_S * rng.standard_normal(n)
+    t_s = WINDOW_S * np.arange(1.0, n + 1.0)
+    return Record(f"run {seed}", t_s, phase_deg, speed, np.full(n, WINDOW_S))
+
+
+@pytest.fixture(scope="module")
+def soft() -> HammersteinModel:
+    runs = [_driven(1), _driven(2)]
+    return with_knowledge(identify_fast(runs, FastOptions()).model, runs)
+
+
+@pytest.mark.parametrize(("drag_rad_s", "weight_rad_s"), [(0.3, 0.0), (0.0, 0.4), (0.0, -0.3)])
+def test_a_torque_on_a_motor_that_starts_gradually_is_named(
+    soft: HammersteinModel, drag_rad_s: float, weight_rad_s: float
+) -> None:
+    found = diagnose([_driven(3, drag_rad_s, weight_rad_s)], soft)
+    assert [cause.name for cause in found.causes] == ["load_torque"]
+    size = found.causes[0].parameters[0]
+    assert size.value == pytest.approx(drag_rad_s + weight_rad_s, rel=0.1)
