@@ -14,9 +14,10 @@ from usmbench.diagnose.stretches import Stretch
 
 Array = NDArray[np.float64]
 
-_PLAIN = 30.0  # chi-squared with two: no chance, so that to shift by it favours no name
+_PLAIN = 300.0  # chi-squared with two: neither chance nor what else the model misses
 _ALIKE = 1.5  # times the strongest one's ripple, or less by as much
 _SETTLED, _TURNING = 2, 0.1  # windows after a step; of the highest speed
+_BLOCKS = 20  # in which what else the model misses is taken to be off the same way
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +70,10 @@ def _shifted(stretch: Stretch, by_rad: float) -> Stretch:
 
 
 def _ripple(stretches: Sequence[Stretch]) -> _Ripple:
-    """Fit the ripple of one run by least squares, beside a gain and a slip."""
+    """Fit the ripple of one run by least squares, beside a gain and a slip.
+
+    Its covariance is the sandwich over blocks (White 1980, doi:10.2307/1912934).
+    """
     columns, residual = [], []
     for s in stretches:
         speed = s.simulated_rad_s
@@ -81,12 +85,14 @@ def _ripple(stretches: Sequence[Stretch]) -> _Ripple:
         waves = (speed * np.cos(angle), speed * np.sin(angle), speed, np.sign(speed))
         columns.append(np.column_stack(waves)[rows])
         residual.append(s.residual_rad_s[rows])
-    if sum(map(len, residual)) <= 4:
+    if sum(map(len, residual)) <= _BLOCKS:
         return _Ripple(0.0, 0.0, 0.0)
     matrix, error = np.vstack(columns), np.concatenate(residual)
     normal = np.linalg.pinv(matrix.T @ matrix)
     sizes = normal @ (matrix.T @ error)
-    variance = float(np.sum((error - matrix @ sizes) ** 2)) / (error.size - 4)
+    left = matrix * (error - matrix @ sizes)[:, None]
+    scores = np.array([np.sum(block, axis=0) for block in np.array_split(left, _BLOCKS)])
+    covariance = (normal @ (scores.T @ scores) @ normal)[:2, :2]
     wave = sizes[:2]
-    statistic = float(wave @ np.linalg.pinv(normal[:2, :2]) @ wave) / max(variance, 1e-18)
+    statistic = float(wave @ np.linalg.pinv(covariance) @ wave)
     return _Ripple(float(np.hypot(*wave)), float(np.arctan2(wave[1], wave[0])), statistic)
