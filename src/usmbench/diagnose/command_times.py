@@ -117,7 +117,7 @@ def at_moments_of(stretches: Sequence[Stretch], changes: Sequence[Array]) -> lis
 
 
 def _unsure(speed_rad_s: Array) -> Array:
-    """How far a speed may be off for a command that acts anywhere in its window, shape (N,)."""
+    """Return how far a speed may be off for a command at any moment of its window, shape (N,)."""
     unsure: Array = _REPEATS * _ANY_MOMENT * np.abs(np.diff(speed_rad_s, prepend=speed_rad_s[:1]))
     return unsure
 

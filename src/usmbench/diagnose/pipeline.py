@@ -56,7 +56,8 @@ def diagnose(records: Sequence[Record], model: HammersteinModel) -> Diagnosis:
     anew = identified_anew(stretches, model, library())
     if anew is None:
         return _diagnosed(stretches, warnings, model)
-    again, _ = _cut(records, anew.model)
+    # Fitted beside its effect, such a model is not in doubt for it.
+    again, _ = cut_runs(records, anew.model, own_effects(anew.model))
     return anew.told(_diagnosed(again, warnings, anew.model))
 
 

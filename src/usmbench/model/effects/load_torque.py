@@ -39,12 +39,6 @@ def _along_bend(signal: Array, loss_rad_s: Array, rounded_rad_s: float) -> Array
     return np.where(np.abs(signal) < _STANDS, 0.0, np.sign(signal) * slower)
 
 
-def _rounded_grid(contexts: Sequence[Context]) -> dict[str, Array]:
-    """Return bends up to a quarter of the highest speed."""
-    top = max(float(np.max(np.abs(c.settled_rad_s(c.phase_deg)))) for c in contexts)
-    return {"rounded_rad_s": np.clip(top * np.array(_SHARES), _ROUNDED.low, _ROUNDED.high)}
-
-
 class Weight(Effect):
     """v′ = v − w while the rotor runs: a weight on a drum, on the straight speed–torque curve."""
 
@@ -87,14 +81,30 @@ class Drag(Effect):
         return _braked(signal, values["drag_rad_s"] * np.sign(signal))
 
 
-class WeightAlongBend(Effect):
-    """As a weight where the curve leaves the dead zone gradually: it moves along the bend."""
+class _AlongBend(Effect):
+    """A torque where the curve leaves the dead zone gradually."""
 
     name = "load_torque"
-    form = "weight, gradual start"
     meaning = _MEANING
     mend = _MEND
     stage = "settled"
+
+    def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
+        """Return bends up to a quarter of the highest speed.
+
+        Parameters
+        ----------
+        contexts
+            All stretches.
+        """
+        top = max(float(np.max(np.abs(c.settled_rad_s(c.phase_deg)))) for c in contexts)
+        return {"rounded_rad_s": np.clip(top * np.array(_SHARES), _ROUNDED.low, _ROUNDED.high)}
+
+
+class WeightAlongBend(_AlongBend):
+    """v = r(u) becomes v′ = r(u − w), with r the bend: a weight where it is gradual."""
+
+    form = "weight, gradual start"
     parameters = (*Weight.parameters, _ROUNDED)
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
@@ -108,25 +118,11 @@ class WeightAlongBend(Effect):
         loss_rad_s = np.full(signal.shape, values["one_sided_rad_s"])
         return _along_bend(signal, loss_rad_s, values["rounded_rad_s"])
 
-    def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
-        """Return bends up to a quarter of the highest speed.
 
-        Parameters
-        ----------
-        contexts
-            All stretches.
-        """
-        return _rounded_grid(contexts)
+class DragAlongBend(_AlongBend):
+    """v = r(u) becomes v′ = r(u − d sign(v)), with r the bend: a drag where it is gradual."""
 
-
-class DragAlongBend(Effect):
-    """As a drag where the curve leaves the dead zone gradually: it moves along the bend."""
-
-    name = "load_torque"
     form = "drag, gradual start"
-    meaning = _MEANING
-    mend = _MEND
-    stage = "settled"
     parameters = (*Drag.parameters, _ROUNDED)
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
@@ -139,16 +135,6 @@ class DragAlongBend(Effect):
         """
         loss_rad_s = values["drag_rad_s"] * np.sign(signal)
         return _along_bend(signal, loss_rad_s, values["rounded_rad_s"])
-
-    def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
-        """Return bends up to a quarter of the highest speed.
-
-        Parameters
-        ----------
-        contexts
-            All stretches.
-        """
-        return _rounded_grid(contexts)
 
 
 FORMS = (Weight(), Drag(), WeightAlongBend(), DragAlongBend())
