@@ -1,7 +1,8 @@
 """Runs of one disc whose angles begin anywhere, as those of an encoder without an index do.
 
 A ripple once a revolution has another phase in each of them. Where several show one plainly, and by
-about as much, their angles are shifted until it has one phase.
+about as much, their angles are shifted until it has one phase; where a model knows the ripple,
+until it has the model's.
 """
 
 from collections.abc import Sequence
@@ -9,14 +10,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
 
 from usmbench.diagnose.stretches import Stretch
+from usmbench.model.extended import Applied, extended_run
 
 Array = NDArray[np.float64]
 
 _PLAIN = 300.0  # chi-squared with two: neither chance nor what else the model misses
 _ALIKE = 1.5  # times the strongest one's ripple, or less by as much
 _SETTLED, _TURNING = 2, 0.1  # windows after a step; of the highest speed
+_TRIED = 16  # angles of a revolution
 _BLOCKS = 20  # in which what else the model misses is taken to be off the same way
 
 
@@ -59,6 +63,61 @@ def at_one_angle(stretches: Sequence[Stretch]) -> tuple[list[Stretch], list[str]
         f"shifted to the angles of {named}, and its phase holds for that run"
     )
     return [_shifted(s, turned.get(s.run, 0.0)) for s in stretches], [warning] * (len(alike) > 1)
+
+
+def at_models_angle(
+    stretches: Sequence[Stretch], own: Sequence[Applied]
+) -> tuple[list[Stretch], list[str]]:
+    """Shift the angles of runs until a ripple that a model knows has the model's phase.
+
+    Parameters
+    ----------
+    stretches
+        The runs.
+    own
+        All effects with which they were simulated.
+
+    Returns
+    -------
+    stretches, warnings
+        In the same order, and what the user ought to know.
+    """
+    placed, shifted = [], []
+    for run in dict.fromkeys(s.run for s in stretches):
+        parts = [s for s in stretches if s.run == run]
+        by_rad = _best_angle_rad(parts, own)
+        placed += [_simulated_again(s, by_rad, own) for s in parts]
+        shifted += [parts[0].name] if by_rad else []
+    return placed, [
+        f"{name}: the shaft's angle begins elsewhere than in the model's run; it is shifted until "
+        "the ripple once a revolution is the model's"
+        for name in shifted
+    ]
+
+
+def _best_angle_rad(stretches: Sequence[Stretch], own: Sequence[Applied]) -> float:
+    """Return by how much farther on a run's shaft is than it says; 0 unless that is plain."""
+
+    def square(by_rad: float) -> float:
+        again = (_simulated_again(s, by_rad, own) for s in stretches)
+        return sum(float(np.sum(s.residual_rad_s[s.use] ** 2)) for s in again)
+
+    step_rad = 2.0 * np.pi / _TRIED
+    tried = {k * step_rad: square(k * step_rad) for k in range(_TRIED)}
+    if len(set(tried.values())) == 1:
+        return 0.0  # no effect depends on it
+    near_rad = min(tried, key=lambda by_rad: tried[by_rad])
+    best = minimize_scalar(square, bounds=(near_rad - step_rad, near_rad + step_rad))
+    n = sum(int(np.count_nonzero(s.use)) for s in stretches)
+    return float(best.x) if tried[0.0] - best.fun > _PLAIN * best.fun / max(n, 1) else 0.0
+
+
+def _simulated_again(stretch: Stretch, by_rad: float, own: Sequence[Applied]) -> Stretch:
+    """Return a stretch whose shaft is farther on, simulated with effects that may depend on it."""
+    if by_rad == 0.0:
+        return stretch
+    shifted = _shifted(stretch, by_rad)
+    return replace(shifted, simulated_rad_s=extended_run(own, shifted.context).speed_rad_s)
 
 
 def _shifted(stretch: Stretch, by_rad: float) -> Stretch:

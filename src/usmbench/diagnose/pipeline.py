@@ -18,7 +18,7 @@ from usmbench.diagnose.gain import Gain, held_out_gain
 from usmbench.diagnose.intervals import intervals
 from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.naming import Ranked, alternatives
-from usmbench.diagnose.one_angle import at_one_angle
+from usmbench.diagnose.one_angle import at_models_angle, at_one_angle
 from usmbench.diagnose.problem import Problem
 from usmbench.diagnose.remainder import describe
 from usmbench.diagnose.result import Diagnosis, Trace, Verdict
@@ -65,10 +65,9 @@ def _cut(records: Sequence[Record], model: HammersteinModel) -> tuple[list[Stret
     """Cut runs, and doubt the effects by which the model was extended."""
     own = own_effects(model)
     stretches, warnings = cut_runs(records, model, own)
-    if not model.effects:  # which may themselves depend on the angle
-        stretches, told = at_one_angle(stretches)
-        return stretches, [*warnings, *told]
-    return doubting_own(stretches, own, own[: len(model.effects)]), warnings
+    doubted = own[: len(model.effects)]
+    stretches, told = at_models_angle(stretches, own) if doubted else at_one_angle(stretches)
+    return doubting_own(stretches, own, doubted), [*warnings, *told]
 
 
 def own_effects(model: HammersteinModel) -> tuple[Applied, ...]:

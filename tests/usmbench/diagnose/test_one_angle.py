@@ -34,6 +34,17 @@ def test_a_disc_is_named_from_runs_that_begin_at_other_angles(
     assert any("begins anew in each run" in warning for warning in found.warnings)
 
 
+def test_an_extended_model_knows_its_ripple_in_a_run_that_begins_elsewhere(
+    model: HammersteinModel,
+) -> None:
+    extended = diagnose([_eccentric(3, 0.012, 0.4)], model).extended
+    again = diagnose([_eccentric(5, 0.012, 2.9)], extended)
+    assert again.verdict == "no_discrepancy"
+    assert any("begins elsewhere" in warning for warning in again.warnings)
+    larger = diagnose([_eccentric(6, 0.02, 1.0)], extended)
+    assert [cause.name for cause in larger.causes] == ["encoder_eccentricity"]
+
+
 def test_what_another_effect_leaves_is_no_ripple(model: HammersteinModel) -> None:
     slow = applied("slow_dynamics", "", added_s=0.02)
     for seed in range(3, 9):
