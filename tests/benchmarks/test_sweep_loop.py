@@ -1,4 +1,4 @@
-"""The small version of the loop's cost: a tenth of a second of CPU time."""
+"""The small version of the loop's cost: a second or two of CPU time."""
 
 import importlib.util
 import sys
@@ -14,6 +14,7 @@ def test_the_loop_takes_no_more_than_it_may() -> None:
     sweep_loop = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = sweep_loop
     spec.loader.exec_module(sweep_loop)
-    loop_s, decode_s = sweep_loop.measure(1_000, repeats=3)
+    # The least of many short ones: the other core runs tests, too.
+    loop_s, decode_s = sweep_loop.measure(1_000, repeats=20)
     assert decode_s > 0
     assert loop_s < sweep_loop.ALLOWED_S
