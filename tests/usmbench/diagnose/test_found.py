@@ -1,5 +1,7 @@
 """Whether what is named may stand beside what it leaves."""
 
+from unittest.mock import Mock
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,7 @@ from usmbench.diagnose.found import Found, left_aside, verdict_on
 from usmbench.diagnose.knowledge import knowledge_of
 from usmbench.diagnose.naming import Ranked
 from usmbench.diagnose.problem import Problem
+from usmbench.diagnose.sporadic import Sporadic
 from usmbench.diagnose.whole import Whole
 
 
@@ -115,3 +118,15 @@ def test_what_is_beyond_chance_in_one_place_is_said(p_value: float, warns: bool)
     assert all(
         w.startswith("load_torque explains") and "drive the plan again" in w for w in warnings
     )
+
+
+@pytest.mark.parametrize(("share", "verdict"), [(0.3, "no_discrepancy"), (0.9, "explained")])
+def test_single_windows_are_the_matter_where_most_of_what_is_off_is_in_them(
+    share: float, verdict: str
+) -> None:
+    problem = _judged(1.8)
+    quiet = Whole(0.0, 1.0, problem.n_rows)
+    found = Found(problem, 1.0, [], [], Fit((), 0.0, 0.0), quiet, quiet)
+    assert found.off_in_all > 0.0
+    lone = Mock(spec=Sporadic, deviance=share * found.off_in_all)
+    assert verdict_on(found, lone) == verdict
