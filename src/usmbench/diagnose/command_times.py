@@ -31,7 +31,7 @@ def keeps_own_time(stretch: Stretch) -> bool:
     stretch
         The stretch.
     """
-    changes = np.flatnonzero(np.diff(stretch.context.phase_deg) != 0.0) + 1
+    changes = np.flatnonzero(stretch.lag == 0)[1:]  # the first row is the beginning
     return between_windows(changes) and _moment_windows(stretch, changes) > _SCATTERS * _ANY_MOMENT
 
 

@@ -47,22 +47,21 @@ def at_one_angle(stretches: Sequence[Stretch]) -> tuple[list[Stretch], list[str]
         In the same order, and what the user ought to know.
     """
     found = {r: _ripple([s for s in stretches if s.run == r]) for r in {s.run for s in stretches}}
-    plain = {r: ripple for r, ripple in found.items() if ripple.statistic > _PLAIN}
-    if len(plain) < 2:
-        return list(stretches), []
-    first = max(plain, key=lambda r: plain[r].statistic)
-    alike = {
-        r: ripple
-        for r, ripple in plain.items()
-        if 1.0 / _ALIKE < ripple.share / plain[first].share < _ALIKE
+    first = max(found, key=lambda r: found[r].statistic)
+    share, phase_rad = found[first].share, found[first].phase_rad
+    turned = {
+        r: phase_rad - ripple.phase_rad
+        for r, ripple in found.items()
+        if ripple.statistic > _PLAIN and share / _ALIKE < ripple.share < share * _ALIKE
     }
-    turned = {r: plain[first].phase_rad - ripple.phase_rad for r, ripple in alike.items()}
+    if len(turned) < 2:
+        return list(stretches), []
     named = next(s.name for s in stretches if s.run == first)
     warning = (
         "the shaft's angle begins anew in each run: those that show a ripple once a revolution are "
         f"shifted to the angles of {named}, and its phase holds for that run"
     )
-    return [_shifted(s, turned.get(s.run, 0.0)) for s in stretches], [warning] * (len(alike) > 1)
+    return [_shifted(s, turned.get(s.run, 0.0)) for s in stretches], [warning]
 
 
 def at_models_angle(

@@ -136,6 +136,11 @@ def _report(
     problem = found.problem.showing(()) if found.named and not named else found.problem
     fit = found.fit if named else NOTHING
     sporadic = sporadic if stands else None
+    struck = () if sporadic is None else sporadic.struck
+    gain = held_out_gain(problem, fit, struck)
+    if named and gain.worse:
+        says = on_nothing_named(found)
+        return _report(found, None, says, model, testable, refused, warnings)
     if sporadic is None:
         warnings += tuple(left_unnamed(problem, fit.effects, found.spread))
     if says == "no_discrepancy":
@@ -145,11 +150,6 @@ def _report(
         model, effects=(*model.effects, *(applied.to_mapping() for applied in effects))
     )
     left = found.left_rad_s if named else problem.residual_rad_s
-    struck = () if sporadic is None else sporadic.struck
-    gain = held_out_gain(problem, fit, struck)
-    if named and gain.worse:
-        told = on_nothing_named(found)
-        return _report(found, None, told, model, testable, refused, warnings)
     causes = [] if not named else _causes(found, named, fit, gain, struck)
     if sporadic is not None:
         most = max((ranking[0].statistic for ranking in named), default=0.0)

@@ -331,6 +331,7 @@ def test_what_predicts_worse_is_no_name(
     assert found.causes == ()
     assert found.remainder is not None
     assert found.extended.effects == ()
+    assert len(set(found.warnings)) == len(found.warnings)
 
 
 @pytest.mark.parametrize(("after", "worse"), [(0.1, False), (0.101, False), (0.103, True)])
