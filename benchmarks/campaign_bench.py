@@ -18,9 +18,9 @@ from benchmarks.campaign_sizes import noise_of, not_far_out, square_of, strength
 from benchmarks.told_test import told_length
 from hil_sim.defects import Defect
 from usmbench.cli.main import main as usmbench
-from usmbench.diagnose.cut_runs import cut_runs
-from usmbench.diagnose.found import Found
-from usmbench.diagnose.gain import gain_of_blocks
+from usmbench.diagnose.cutting.cut_runs import cut_runs
+from usmbench.diagnose.fitting.gain import gain_of_blocks
+from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.pipeline import diagnose, own_effects, searched
 from usmbench.errors import UsmbenchError
 from usmbench.model.model_file import read_model, write_model

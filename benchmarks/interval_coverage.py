@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from benchmarks.campaign_tables import share
-from usmbench.diagnose.cut_runs import cut_runs
-from usmbench.diagnose.intervals import intervals
-from usmbench.diagnose.knowledge import knowledge_of
+from usmbench.diagnose.cutting.cut_runs import cut_runs
+from usmbench.diagnose.fitting.intervals import intervals
+from usmbench.diagnose.known.knowledge import knowledge_of
+from usmbench.diagnose.naming.search import search
 from usmbench.diagnose.reference import with_knowledge
-from usmbench.diagnose.search import search
 from usmbench.identify.fast import FastOptions, identify_fast
 from usmbench.model.effects.base import Context, Effect
 from usmbench.model.effects.first_order import first_order

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from benchmarks.campaign_sizes import square_of
-from usmbench.diagnose.found import Found
+from usmbench.diagnose.naming.found import Found
 from usmbench.runs.record import Record
 
 _ALARM: Final = 0.05

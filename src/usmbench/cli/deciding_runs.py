@@ -10,7 +10,7 @@ from usmbench.cli.bench_session import SIMULATED, open_bench
 from usmbench.cli.live_panel import LivePanel
 from usmbench.cli.simulated_motor import SimulatedMotor
 from usmbench.cli.sweep_run import sweep_new
-from usmbench.diagnose.next_experiment import propose
+from usmbench.diagnose.experiment.next_experiment import propose
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.result import Diagnosis
 from usmbench.model.hammerstein import HammersteinModel

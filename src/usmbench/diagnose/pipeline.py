@@ -5,27 +5,37 @@ from dataclasses import replace
 
 import numpy as np
 
-from usmbench.diagnose.anew import identified_anew
-from usmbench.diagnose.check_runs import check_moves
-from usmbench.diagnose.command_times import any_moment_s, at_unknown_moments, unknown_moments
-from usmbench.diagnose.cut_runs import cut_runs
-from usmbench.diagnose.detectable import smallest_sizes
+from usmbench.diagnose.anew.identify_anew import identified_anew
+from usmbench.diagnose.cutting.check_runs import check_moves
+from usmbench.diagnose.cutting.command_times import (
+    any_moment_s,
+    at_unknown_moments,
+    unknown_moments,
+)
+from usmbench.diagnose.cutting.cut_runs import cut_runs
+from usmbench.diagnose.cutting.one_angle import at_models_angle, at_one_angle
+from usmbench.diagnose.cutting.stretches import Mask, Stretch
 from usmbench.diagnose.evidence import Candidate, Estimate, NamedCause, strongest_first
-from usmbench.diagnose.fitting import NOTHING, Fit
-from usmbench.diagnose.form import doubting_own
-from usmbench.diagnose.found import Found, left_aside, on_nothing_named, unmeasured, verdict_on
-from usmbench.diagnose.gain import Gain, held_out_gain
-from usmbench.diagnose.intervals import intervals
-from usmbench.diagnose.knowledge import knowledge_of
-from usmbench.diagnose.naming import Ranked, alternatives
-from usmbench.diagnose.one_angle import at_models_angle, at_one_angle
-from usmbench.diagnose.problem import Problem
-from usmbench.diagnose.remainder import describe
+from usmbench.diagnose.fitting.fit import NOTHING, Fit
+from usmbench.diagnose.fitting.gain import Gain, held_out_gain
+from usmbench.diagnose.fitting.intervals import intervals
+from usmbench.diagnose.known.knowledge import knowledge_of
+from usmbench.diagnose.naming.detectable import smallest_sizes
+from usmbench.diagnose.naming.found import (
+    Found,
+    left_aside,
+    on_nothing_named,
+    unmeasured,
+    verdict_on,
+)
+from usmbench.diagnose.naming.ranking import Ranked, alternatives
+from usmbench.diagnose.naming.remainder import describe
+from usmbench.diagnose.naming.search import search
+from usmbench.diagnose.naming.sporadic import Sporadic, find_sporadic, left_unnamed
+from usmbench.diagnose.residual.form import doubting_own
+from usmbench.diagnose.residual.problem import Problem
+from usmbench.diagnose.residual.views import residual_views
 from usmbench.diagnose.result import Diagnosis, Trace, Verdict
-from usmbench.diagnose.search import search
-from usmbench.diagnose.sporadic import Sporadic, find_sporadic, left_unnamed
-from usmbench.diagnose.stretches import Mask, Stretch
-from usmbench.diagnose.views import residual_views
 from usmbench.model.effects.base import Effect
 from usmbench.model.effects.registry import library
 from usmbench.model.extended import Applied, applied_effects

@@ -6,18 +6,18 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.command_times import any_moment_s, at_unknown_moments
-from usmbench.diagnose.cut_runs import cut_runs
-from usmbench.diagnose.features_of_runs import features_of
-from usmbench.diagnose.knowledge import KEY, Knowledge
-from usmbench.diagnose.learning import learn
-from usmbench.diagnose.naming import rank
-from usmbench.diagnose.noise_estimate import estimate_noise
-from usmbench.diagnose.problem import Problem
-from usmbench.diagnose.spikes import PLAIN, count_steady, off_steps, spiked
-from usmbench.diagnose.stretches import Stretch
-from usmbench.diagnose.wander import ANY, LEAST, departures, wander_of_shares
-from usmbench.diagnose.wander_estimate import measured_wander
+from usmbench.diagnose.cutting.command_times import any_moment_s, at_unknown_moments
+from usmbench.diagnose.cutting.cut_runs import cut_runs
+from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.diagnose.known.features_of_runs import features_of
+from usmbench.diagnose.known.knowledge import KEY, Knowledge
+from usmbench.diagnose.known.learning import learn
+from usmbench.diagnose.known.wander import ANY, LEAST, departures, wander_of_shares
+from usmbench.diagnose.known.wander_estimate import measured_wander
+from usmbench.diagnose.naming.ranking import rank
+from usmbench.diagnose.noise.noise_estimate import estimate_noise
+from usmbench.diagnose.noise.spikes import PLAIN, count_steady, off_steps, spiked
+from usmbench.diagnose.residual.problem import Problem
 from usmbench.errors import InputError
 from usmbench.model.effects.base import Stage
 from usmbench.model.effects.registry import library

@@ -15,7 +15,7 @@ from usmbench.cli import deciding_runs, diagnose_command
 from usmbench.cli.deciding_runs import Judged
 from usmbench.cli.main import main
 from usmbench.cli.simulated_motor import SimulatedMotor
-from usmbench.diagnose.experiment import planned_record
+from usmbench.diagnose.experiment.proposal import planned_record
 from usmbench.model.hammerstein import HammersteinModel, LinearPart, OperatingPoint, StaticCurve
 from usmbench.model.model_file import write_model
 from usmbench.model.simulate import simulate

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from usmbench.diagnose.cut_runs import cut_runs
-from usmbench.diagnose.stretches import Stretch
+from usmbench.diagnose.cutting.cut_runs import cut_runs
+from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
 from usmbench.runs.record import Record

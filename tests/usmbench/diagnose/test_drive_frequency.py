@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from usmbench.diagnose.next_experiment import propose
+from usmbench.diagnose.experiment.next_experiment import propose
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.reference import with_knowledge
 from usmbench.diagnose.result import Diagnosis

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from known_motor import NOISE_RAD_S, WINDOW_S, applied, driven, identified, measured
-from usmbench.diagnose import found as found_module
-from usmbench.diagnose import stepwise
-from usmbench.diagnose.gain import Gain
+from usmbench.diagnose.fitting.gain import Gain
+from usmbench.diagnose.naming import found as found_module
+from usmbench.diagnose.naming import stepwise
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.reference import with_knowledge
 from usmbench.errors import InputError

@@ -1,0 +1,1 @@
+"""Models identified under the very cause that they should show."""

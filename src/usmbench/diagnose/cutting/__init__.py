@@ -1,0 +1,1 @@
+"""Runs cut into stretches in which every row is comparable."""

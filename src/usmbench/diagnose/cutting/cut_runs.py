@@ -1,0 +1,162 @@
+"""Runs cut into unbroken stretches."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.diagnose.cutting.check_runs import (
+    check_enough,
+    check_motors,
+    check_outside,
+    check_run,
+)
+from usmbench.diagnose.cutting.stretches import Before, Mask, Stretch
+from usmbench.diagnose.cutting.tabled_curve import NODES_DEG, TabledCurve
+from usmbench.model.effects.base import Context
+from usmbench.model.extended import Applied, extended_run
+from usmbench.model.hammerstein import HammersteinModel
+from usmbench.model.linear import memory_windows
+from usmbench.model.mixed_curve import beyond_range
+from usmbench.model.operating_points import places_among, point_weights
+from usmbench.model.replay import middle_angle_rad
+from usmbench.model.resonance_slope import point_slopes
+from usmbench.runs.dwells import dwell_begin
+from usmbench.runs.record import Record
+
+Array = NDArray[np.float64]
+
+_GAP = 1.5  # a step of the clock beyond so many windows is a break in the record
+_LONGEST_START = 50
+_MOST_WINDOWS = 40_000  # more add time and memory, and hardly power
+_BLOCK = 2000
+_FASTEST_RAD_S = 1e3  # beyond any step
+
+
+def cut_runs(
+    records: Sequence[Record], model: HammersteinModel, effects: Sequence[Applied]
+) -> tuple[list[Stretch], list[str]]:
+    """Cut runs into stretches.
+
+    Parameters
+    ----------
+    records
+        The runs.
+    model
+        The model.
+    effects
+        The model's own effects.
+
+    Returns
+    -------
+    stretches, warnings
+        In the order of runs and time, and what the user ought to know.
+
+    Raises
+    ------
+    InputError
+        Runs that do not belong to the model, or too short to say anything.
+    """
+    speeds = [point.curve.speed_rad_s(NODES_DEG) for point in model.points]
+    along = point_slopes(model.points)
+    slopes = None if along is None else [slope.rad_s(NODES_DEG) for slope in along]
+    stretches: list[Stretch] = []
+    warnings: list[str] = []
+    check_motors(records)
+    for record in records:
+        check_run(record, model)
+    keep = min(1.0, _MOST_WINDOWS / sum(record.t_s.size for record in records))
+    for run, record in enumerate(records):
+        angle_rad = middle_angle_rad(record)
+        weights, outside = point_weights(
+            model.points, record.t_s.size, record.frequency_hz, record.torque_nm
+        )
+        outside |= beyond_range(model.points, weights, record.phase_deg)
+        check_outside(record, outside, warnings)
+        window_s = float(np.median(record.window_s))
+        jumps = np.flatnonzero(np.diff(record.t_s) > _GAP * window_s) + 1
+        so_far = _sums_so_far(record, weights, speeds)
+        for rows in _pieces(record.t_s.size, jumps, keep):
+            phase_deg, points = record.phase_deg[rows], tuple(w[rows] for w in weights)
+            context = Context(
+                record.t_s[rows],
+                window_s,
+                phase_deg,
+                TabledCurve(speeds, points, phase_deg),
+                model.linear,
+                angle_rad[rows],
+                None if record.temperature_c is None else record.temperature_c[rows],
+                None if slopes is None else TabledCurve(slopes, points, phase_deg),
+                None if record.count_rad is None else record.count_rad / window_s,
+            )
+            measured_rad_s, use = record.speed_rad_s[rows], ~outside[rows]
+            before = Before(int(rows[0]), *so_far[rows[0]].tolist())
+            at = (points, places_among(model.points, points), before)
+            stretches.append(_stretch(run, record.name, context, measured_rad_s, effects, use, at))
+    check_enough(records, sum(int(np.count_nonzero(s.use)) for s in stretches))
+    return stretches, warnings
+
+
+def _pieces(n: int, jumps: NDArray[np.int64], keep: float) -> list[NDArray[np.int64]]:
+    """Rows of the stretches; of a very long run blocks spread evenly over it, ends and all."""
+    stretches = np.split(np.arange(n), jumps)
+    if keep >= 1.0:
+        return [rows for rows in stretches if rows.size > _LONGEST_START]
+    pieces = []
+    for rows in stretches:
+        count = max(1, round(keep * rows.size / _BLOCK))
+        size = min(round(keep * rows.size / count), rows.size)
+        begins = np.linspace(0, rows.size - size, count).astype(int)
+        pieces += [rows[begin : begin + size] for begin in begins if size > _LONGEST_START]
+    return pieces
+
+
+def _sums_so_far(record: Record, weights: Sequence[Array], speeds: Sequence[Array]) -> Array:
+    """Add up the windows before each row, in the order of `Before`, shape (N, 3)."""
+    first, last = np.searchsorted(NODES_DEG, (record.phase_deg.min(), record.phase_deg.max()))
+    tops = [float(np.max(np.abs(speed[first : last + 1]))) for speed in speeds]
+    size = np.abs(record.speed_rad_s)
+    each = np.column_stack((size, size**2, (tops @ np.asarray(weights)) ** 2))
+    sums: Array = np.cumsum(each, axis=0) - each
+    return sums
+
+
+def _stretch(
+    run: int,
+    name: str,
+    context: Context,
+    speed_rad_s: Array,
+    effects: Sequence[Applied],
+    use: Mask,
+    at: tuple[tuple[Array, ...], tuple[Array, ...], Before],
+) -> Stretch:
+    """Simulate a stretch and work out where each row stands after the last command."""
+    simulated = extended_run(effects, context)
+    rows, last = np.arange(context.n), dwell_begin(context.phase_deg)
+    jump_rad_s = np.diff(simulated.settled_rad_s, prepend=simulated.settled_rad_s[:1])
+    lag, step_rad_s = rows - last, jump_rad_s[last]
+    # The model is no better where it still remembers how it started, or phases it does not know.
+    unknown = np.maximum.accumulate(np.where(use, -1, rows))
+    memory = min(memory_windows(context.linear) + 3, _LONGEST_START)
+    return Stretch(
+        run,
+        name,
+        context,
+        speed_rad_s,
+        simulated.speed_rad_s,
+        simulated.settled_rad_s,
+        lag,
+        step_rad_s,
+        np.sign(np.diff(context.phase_deg, prepend=context.phase_deg[:1]))[last],
+        _jump(simulated.settled_rad_s, step_rad_s, lag),
+        rows - unknown > memory,
+        *at,
+    )
+
+
+def _jump(settled_rad_s: Array, step_rad_s: Array, lag: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return a number for what came before each row; a plan that repeats it errs the same way."""
+    # One complex key sorts many times as fast as rows of three numbers.
+    key = settled_rad_s + 1j * (step_rad_s + _FASTEST_RAD_S * lag)
+    _, numbers = np.unique(np.round(key, 6), return_inverse=True)
+    return np.asarray(numbers, dtype=np.int64)

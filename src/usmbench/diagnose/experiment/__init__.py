@@ -1,0 +1,1 @@
+"""The next experiment: the plan that separates what is left."""

@@ -1,0 +1,142 @@
+"""The plans from which the next experiment is chosen: of one length, and unlike each other."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from usmbench.diagnose.experiment.experiment_range import Range
+from usmbench.diagnose.experiment.proposal import Document, Experiment
+
+DURATION_S = 30.0
+_SHORTEST_DWELL = 4
+_LEVELS = 9
+_SEED = 1
+_STAIRS = 24
+
+
+def menu(where: Range) -> tuple[Experiment, ...]:
+    """Return the experiments to choose from, each about 30 s of drive at a load torque.
+
+    Parameters
+    ----------
+    where
+        Where they may go.
+    """
+    return tuple(
+        Experiment(says, {**_head(where), **body})
+        for says, body in (*_passes(where), *_free(where))
+    )
+
+
+def _head(where: Range) -> Document:
+    return {
+        "format": "usmbench-plan/1",
+        "name": "next-experiment",
+        "frequency_hz": where.frequency_hz[0],
+        "torque_nm": where.torque_nm[0],
+    }
+
+
+def _passes(where: Range) -> Iterator[tuple[str, Document]]:
+    """Yield rates, directions, dwells, the dead zone, loads and frequencies."""
+    windows = round(DURATION_S / where.window_s)
+    even = _even(where.low_deg, where.high_deg, _STAIRS)
+    slow = _dwell(max(windows // (2 * len(even)), _SHORTEST_DWELL))
+    fast = max(windows // (16 * len(even)), _SHORTEST_DWELL)
+    both = {"phase_deg": even, "direction": "both"}
+    yield "a slow staircase, up and down", {"passes": [both], "dwell": slow}
+    yield (
+        "the same staircase, far faster and repeated",
+        {
+            "passes": [{**both, "repeats": max(windows // (2 * len(even) * fast), 1)}],
+            "dwell": _dwell(fast),
+        },
+    )
+    steps = windows // (4 * _SHORTEST_DWELL)
+    fine, coarse = (_even(where.low_deg, where.high_deg, n) for n in (steps, max(steps // 4, 2)))
+    two = [
+        {"phase_deg": fine, "direction": "both"},
+        {"phase_deg": coarse, "direction": "both", "repeats": 4},
+    ]
+    yield "triangles at two rates, 1 to 4", {"passes": two, "dwell": _dwell(_SHORTEST_DWELL)}
+    one_way = [{"phase_deg": even, "direction": "rising", "repeats": 2}]
+    yield "a staircase that only rises, twice", {"passes": one_way, "dwell": slow}
+    yield "a few phases held long, up and down", _held_long(where, windows)
+    low_deg, high_deg = where.dead_zone_deg
+    reach_deg = 1.5 * max(high_deg - low_deg, 2.0)
+    low_deg, high_deg = (
+        max(where.low_deg, low_deg - reach_deg),
+        min(where.high_deg, high_deg + reach_deg),
+    )
+    near = {"phase_deg": _even(low_deg, high_deg, _STAIRS), "direction": "both", "repeats": 2}
+    yield (
+        "small steps through the dead zone, to and fro",
+        {"passes": [near], "dwell": _dwell(max(windows // (4 * _STAIRS), _SHORTEST_DWELL))},
+    )
+    if len(where.torque_nm) > 1:
+        torques_nm = sorted(where.torque_nm)
+        loads = {"torque_nm": torques_nm, "load": "operator"}
+        says = f"the slow staircase at {len(torques_nm)} load torques"
+        yield says, {"passes": [both], "dwell": slow, **loads}
+    here_hz, *others_hz = where.frequency_hz
+    half = _dwell(max(windows // (4 * len(even)), _SHORTEST_DWELL))
+    for other_hz in others_hz:
+        says = f"a staircase, up and down, at {here_hz:g} Hz and at {other_hz:g} Hz"
+        yield says, {"passes": [both], "dwell": half, "frequency_hz": [here_hz, other_hz]}
+
+
+def _held_long(where: Range, windows: int) -> Document:
+    """Five phases, each long enough to show a drift."""
+    few = _even(where.low_deg, where.high_deg, 5)
+    return {
+        "passes": [{"phase_deg": few, "direction": "both"}],
+        "dwell": _dwell(windows // (2 * len(few))),
+    }
+
+
+def _free(where: Range) -> Iterator[tuple[str, Document]]:
+    """Yield free excitations."""
+    centre_deg = round(0.5 * (where.low_deg + where.high_deg), 3)
+    reach_deg = min(where.high_deg - centre_deg, centre_deg - where.low_deg)
+    shared = {
+        "seed": _SEED,
+        "centre_deg": centre_deg,
+        # Rounded down: the phases must stay where the model is known.
+        "amplitude_deg": math.floor(1000.0 * reach_deg) / 1000.0,
+        "duration_s": DURATION_S,
+    }
+    telegraph = {**shared, "kind": "telegraph"}
+    for hold in (5, 20):
+        yield (
+            f"a random telegraph between {_LEVELS} phases, held for {hold} windows at a time",
+            {"excitation": {**telegraph, "levels": _LEVELS, "hold_windows": hold}},
+        )
+    yield (
+        "a random telegraph between the two ends",
+        {"excitation": {**telegraph, "levels": 2, "hold_windows": 10}},
+    )
+    highest_hz = 0.5 / (_SHORTEST_DWELL * where.window_s)
+    for name, share in (("slow", 0.04), ("fast", 0.4)):
+        band = [round(v * share * highest_hz, 6) for v in (0.02, 1.0)]
+        multisine = {**shared, "kind": "multisine", "hold_windows": _SHORTEST_DWELL}
+        yield (
+            f"a {name} random-phase multisine, up to {band[1]:.3g} Hz",
+            {"excitation": {**multisine, "band_hz": band}},
+        )
+
+
+def _even(low_deg: float, high_deg: float, n: int) -> list[float]:
+    """Return phases evenly spaced, within the range though they are rounded."""
+    inner = np.round(np.linspace(low_deg, high_deg, n), 3)
+    return [float(phase_deg) for phase_deg in np.clip(inner, low_deg, high_deg)]
+
+
+def _dwell(windows: int) -> Document:
+    """Return dwells of just so many windows."""
+    windows = max(windows, _SHORTEST_DWELL)
+    return {
+        "windows": windows,
+        "extend_to_windows": windows,
+        "settle": {"min_windows": 1, "over_windows": 2},
+    }

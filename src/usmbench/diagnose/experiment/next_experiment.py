@@ -1,0 +1,221 @@
+"""The next experiment: the plan under which the causes that are left differ most.
+
+T-optimality (Atkinson and Fedorov 1975, doi:10.1093/biomet/62.1.57): of all designs, take the one
+that maximises the distance between the model taken as true and the best that its rival can do,
+here for the pair that lies closest, each taken as true in turn. The distance is that of the
+whitened problem, so that noise, the model's own uncertainty and what may wander from run to run
+count; and the rival is fitted to the runs in hand and the new one together, as it will be.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import permutations
+from typing import Any
+
+import numpy as np
+from scipy.stats import norm
+
+from usmbench.diagnose.cutting.cut_runs import cut_runs
+from usmbench.diagnose.cutting.stretches import first_windows
+from usmbench.diagnose.evidence import Candidate, Estimate, NamedCause
+from usmbench.diagnose.experiment.experiment_menu import menu
+from usmbench.diagnose.experiment.experiment_range import range_of
+from usmbench.diagnose.experiment.proposal import Experiment, planned_record
+from usmbench.diagnose.fitting.fit import Fit
+from usmbench.diagnose.fitting.refining import refine
+from usmbench.diagnose.known.knowledge import Knowledge, knowledge_of
+from usmbench.diagnose.naming.ranking import telling_deviance
+from usmbench.diagnose.noise.noise_estimate import estimate_noise
+from usmbench.diagnose.noise.noise_model import Noise
+from usmbench.diagnose.residual.problem import Problem
+from usmbench.diagnose.result import Diagnosis
+from usmbench.model.effects.registry import find_effect
+from usmbench.model.extended import Applied, applied_effects
+from usmbench.model.hammerstein import HammersteinModel
+from usmbench.runs.record import Record
+
+_MOST_RIVALS = 4
+_MOST_WINDOWS = 12_000  # of the runs in hand: more cost time and hardly change the choice
+_SUGGESTIVE = 0.2  # family-wise probability below which an effect is worth another run
+_ENOUGH = 0.95
+_WORTH = 0.05  # odds that an experiment must add
+_LONGER = (2, 4)
+_HELD_WINDOWS = 10
+_LEAST_DISTANCE = 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """What the next experiment is to decide.
+
+    Parameters
+    ----------
+    rivals
+        The causes, each with its best values; None stands for no cause at all.
+    given
+        Causes that act beside any of them.
+    """
+
+    rivals: tuple[Applied | None, ...]
+    given: tuple[Applied, ...] = ()
+
+    @property
+    def says(self) -> str:
+        """The question in words."""
+        names = [
+            "nothing of the kind" if rival is None else rival.effect.name.replace("_", " ")
+            for rival in self.rivals
+        ]
+        return f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def question_of(diagnosis: Diagnosis) -> Question | None:
+    """Return what a diagnosis leaves open, or None where there is nothing to decide.
+
+    Parameters
+    ----------
+    diagnosis
+        The diagnosis.
+    """
+    named = {cause.name for cause in diagnosis.causes}
+    alone = {c.name: c for c in diagnosis.candidates if c.name not in named}
+    # What strikes single windows is not what an experiment asks for first.
+    for cause in sorted(diagnosis.causes, key=lambda c: _stated(c).effect.sporadic):
+        others = [alone[name] for name in cause.alternatives if name in alone]
+        if others:
+            beside = [_stated(other) for other in diagnosis.causes if other is not cause]
+            return Question(
+                (_stated(cause), *map(_fitted, others))[:_MOST_RIVALS],
+                tuple(applied for applied in beside if not applied.effect.sporadic),
+            )
+    if diagnosis.verdict != "no_discrepancy" or not diagnosis.candidates:
+        return None
+    best = min(diagnosis.candidates, key=lambda candidate: candidate.p_value)
+    return Question((_fitted(best), None)) if best.p_value < _SUGGESTIVE else None
+
+
+def propose(
+    diagnosis: Diagnosis, records: Sequence[Record], model: HammersteinModel
+) -> dict[str, Any] | None:
+    """Return the experiment that decides best what a diagnosis leaves open.
+
+    Parameters
+    ----------
+    diagnosis
+        The diagnosis.
+    records
+        The runs it was made on.
+    model
+        The model it was made with.
+
+    Returns
+    -------
+    dict or None
+        ``says``, ``plan`` (a plan's document), ``odds_before`` and ``odds_after``: the probability
+        that the true one of the two closest causes is told from the other, with these runs and
+        with the new one beside them. None where nothing is open, where no drive frequency is
+        known, or where no experiment would help.
+    """
+    question = question_of(diagnosis)
+    where = range_of(model, records)
+    if question is None or where is None:
+        return None
+    design = _Design(question, records, model)
+    # These runs did not decide it, whatever the simulation promises: at most a guess is left.
+    before = min(_odds(design.margin(None)), 1.0 / len(question.rivals))
+    # A model is surest of phases that are held: of restless commands its runs taught it little.
+    best, margin = _best(design, [e for e in menu(where) if e.hold_windows >= _HELD_WINDOWS])
+    if _odds(margin) < _ENOUGH:
+        best, margin = _best(design, menu(where))
+    chosen = best
+    for times in _LONGER:
+        if _odds(margin) >= _ENOUGH:
+            break
+        chosen = best.repeated(times)
+        margin = design.margin(chosen)
+    after = _odds(margin)
+    if after < before + _WORTH:
+        return None
+    return {
+        "says": f"To decide between {question.says}: {chosen.says}.",
+        "plan": chosen.plan.source.document,
+        "odds_before": before,
+        "odds_after": after,
+    }
+
+
+class _Design:
+    """The runs in hand, and how far apart the rivals lie once another is added."""
+
+    def __init__(self, question: Question, records: Sequence[Record], model: HammersteinModel):
+        self._question, self._model = question, model
+        self._own = applied_effects(model.effects)
+        self._known: Knowledge = knowledge_of(model)
+        self._window_s = float(np.median(records[0].window_s))
+        stretches, _ = cut_runs(records, model, self._own)
+        self._stretches = first_windows(stretches, _MOST_WINDOWS)
+        effects = (*(rival for rival in question.rivals[:1] if rival), *question.given)
+        self._noise, self._spread = self._settled_noise(effects)
+
+    def _settled_noise(self, effects: tuple[Applied, ...]) -> tuple[Noise, float]:
+        """Noise and its spread, with the best guess taken out of the residual."""
+        stretches = self._stretches
+        uses = [s.use for s in stretches]
+        rough = self._known.noise or estimate_noise(
+            stretches, [s.residual_rad_s for s in stretches], uses
+        )
+        problem = Problem(stretches, self._known, rough, uses, self._own)
+        left = problem.left_rad_s(effects)
+        noise = self._known.noise or estimate_noise(stretches, left, uses)
+        white = problem.weighed(noise, uses).carried(left)
+        rows = white[: problem.n_rows]
+        return noise, max(1.0, 1.4826 * float(np.median(np.abs(rows))))
+
+    def margin(self, experiment: Experiment | None) -> float:
+        """Return how far the closest two lie apart, with one more run or without."""
+        stretches = list(self._stretches)
+        if experiment is not None:
+            record = planned_record(experiment.plan, self._model, self._window_s)
+            new, _ = cut_runs([record], self._model, self._own)
+            run = 1 + max(s.run for s in stretches)
+            stretches += [replace(s, run=run) for s in new]
+        uses = [s.use for s in stretches]
+        problem = Problem(stretches, self._known, self._noise, uses, self._own)
+        return min(
+            self._apart(problem, truth, rival)
+            for truth, rival in permutations(self._question.rivals, 2)
+            if truth is not None
+        )
+
+    def _apart(self, problem: Problem, truth: Applied, rival: Applied | None) -> float:
+        """Return by how many standard deviations the truth beats its rival clearly."""
+        given = self._question.given
+        as_true = problem.measuring(problem.change_rad_s((*given, truth)))
+        start = (*given, *(() if rival is None else (rival,)))
+        drop = refine(as_true, Fit(start, 0.0, 0.0)).statistic if start else 0.0
+        distance = math.sqrt(max(as_true.deviance - drop, 0.0)) / self._spread
+        needed = telling_deviance(as_true.deviance / self._spread**2)
+        # The difference of two deviances is normal: mean distance², deviation 2·distance.
+        return (distance**2 - needed) / (2.0 * max(distance, _LEAST_DISTANCE))
+
+
+def _best(design: _Design, experiments: Sequence[Experiment]) -> tuple[Experiment, float]:
+    """Return the experiment under which the closest two lie farthest apart, and how far."""
+    return max(((e, design.margin(e)) for e in experiments), key=lambda pair: pair[1])
+
+
+def _odds(margin: float) -> float:
+    return float(norm.cdf(margin))
+
+
+def _stated(cause: NamedCause) -> Applied:
+    return _applied(cause.name, cause.form, cause.parameters)
+
+
+def _fitted(candidate: Candidate) -> Applied:
+    return _applied(candidate.name, candidate.form, candidate.parameters)
+
+
+def _applied(name: str, form: str, parameters: Sequence[Estimate]) -> Applied:
+    return Applied(find_effect(name, form), {p.name: p.value for p in parameters})

@@ -1,0 +1,171 @@
+"""What an extension gains on blocks of the runs that its fit has not seen."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.diagnose.cutting.stretches import Mask
+from usmbench.diagnose.fitting.fit import Fit
+from usmbench.diagnose.fitting.refining import refine
+from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.linear import memory_windows
+
+Array = NDArray[np.float64]
+
+_FOLDS = 4
+_MARGIN = 5  # windows beyond the memory of the dynamics
+_BLOCKS = 12
+_DRAWS = 400
+_SEED = 1
+_WORSE = 1.04  # times the mean square: what explains by the whitened residual has to predict, too
+
+
+@dataclass(frozen=True, slots=True)
+class Gain:
+    """Held-out, free-running scores.
+
+    Parameters
+    ----------
+    rmse_simulation_rad_s, rmse_extended_rad_s, noise_floor_rad_s
+        Root mean squares of the residual before and after, and of the noise.
+    gain, low, high
+        Share of the mean square above the noise floor that the extension removes, with its 95 %
+        interval by drawing blocks anew.
+    """
+
+    rmse_simulation_rad_s: float
+    rmse_extended_rad_s: float
+    noise_floor_rad_s: float
+    gain: float
+    low: float
+    high: float
+
+    @property
+    def worse(self) -> bool:
+        """Whether the extension predicts plainly worse than the model as given."""
+        return self.rmse_extended_rad_s**2 > _WORSE * self.rmse_simulation_rad_s**2
+
+
+def held_out_gain(problem: Problem, fit: Fit, struck: Sequence[Mask] = ()) -> Gain:
+    """Score effects on blocks that their values were not fitted on, beside the model as given.
+
+    Rows that stand alone count neither before nor after: whether a motor starts in one window or
+    in the next may hang on nothing at all.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    fit
+        The effects at their values on all rows; none scores the model against itself.
+    struck
+        Rows of each stretch that stand alone and that the extension has a name for, shape (N,)
+        each; then the model as given has to answer for all that do. Empty for no such name.
+    """
+    held = [s.residual_rad_s.copy() for s in problem.stretches]
+    blocks = _blocks(problem)
+    for fold, refit in _refits(problem, fit):
+        for k, change in enumerate(problem.change_rad_s(refit.effects)):
+            rows = blocks[k] % _FOLDS == fold
+            held[k][rows] -= change[rows]
+    sums = []
+    alone = struck or [np.zeros_like(mask) for mask in problem.masks]
+    masks = [mask & ~a for mask, a in zip(problem.masks, alone, strict=True)]
+    for stretch, after, mask, block in zip(problem.stretches, held, masks, blocks, strict=True):
+        level = problem.noise.level_rad_s(replace(stretch, moment_rad_s=0.0))
+        scored = stretch.use & mask
+        plain = stretch.use if struck else scored
+        sums.append(
+            np.array(
+                [
+                    np.bincount(block[rows], weights=values[rows], minlength=_BLOCKS)
+                    for rows, values in (
+                        (plain, stretch.residual_rad_s**2),
+                        (scored, after**2),
+                        (plain, level**2),
+                        (plain, np.ones(plain.size)),
+                        (scored, np.ones(plain.size)),
+                    )
+                ]
+            )
+        )
+    return gain_of_blocks(np.concatenate(sums, axis=1))
+
+
+def gain_of_blocks(table: Array) -> Gain:
+    """Return the scores of blocks, and how far chance may move them.
+
+    Parameters
+    ----------
+    table
+        Sums of squares of the residual before, after, and of the noise, and numbers of rows before
+        and after; one column a block, shape (5, K).
+    """
+    table = table[:, table[3] > 0]
+    ms, value = _shares(table)
+    draw = np.random.default_rng(_SEED)
+    n = table.shape[1]
+    values = [_shares(table[:, draw.integers(0, n, n)])[1] for _ in range(_DRAWS)]
+    low, high = (float(q) for q in np.quantile(values, [0.025, 0.975]))
+    before, after_rms, floor = (float(root) for root in np.sqrt(ms))
+    return Gain(before, after_rms, floor, value, min(low, value), max(high, value))
+
+
+def held_out_drop(problem: Problem, fit: Fit) -> Array:
+    """Return by how much effects lower the deviance of blocks that their values never saw, by fold.
+
+    Effects that are not there raise it, on average by the number of their parameters.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    fit
+        The effects at their values on all rows.
+    """
+    drop = np.zeros(_FOLDS)
+    for fold, refit in _refits(problem, fit):
+        unseen = problem.with_masks(
+            [m & (b % _FOLDS == fold) for m, b in zip(problem.masks, _blocks(problem), strict=True)]
+        )
+        drop[fold] = unseen.drop(refit.effects)
+    return drop
+
+
+def _refits(problem: Problem, fit: Fit) -> Iterator[tuple[int, Fit]]:
+    """Yield each fold with the effects at their values on the rows of the others.
+
+    Rows that the dynamics tie to the fold are left out of the fit, too.
+    """
+    gap = memory_windows(problem.stretches[0].context.linear) + _MARGIN
+    for fold in range(_FOLDS) if fit.effects else ():
+        masks = [
+            mask & ~_widened(block % _FOLDS == fold, gap)
+            for mask, block in zip(problem.masks, _blocks(problem), strict=True)
+        ]
+        yield fold, refine(problem.with_masks(masks), fit)
+
+
+def _shares(table: Array) -> tuple[Array, float]:
+    """Mean squares (before, after, noise) and the gain."""
+    total = table.sum(axis=1)
+    n, n_after = max(total[3], 1.0), max(total[4], 1.0)
+    ms = np.array([total[0] / n, total[1] / n_after, total[2] / n])
+    floor = min(ms[2], ms[1])
+    above = ms[0] - floor
+    gain = (ms[0] - ms[1]) / above if above > 1e-12 else 0.0
+    return np.array([ms[0], ms[1], floor]), float(np.clip(gain, 0.0, 1.0))
+
+
+def _blocks(problem: Problem) -> list[NDArray[np.int64]]:
+    """Return the number of each row's contiguous block."""
+    return [np.arange(s.context.n) * _BLOCKS // s.context.n for s in problem.stretches]
+
+
+def _widened(rows: Mask, gap: int) -> Mask:
+    """Add the rows within a gap of those that are set."""
+    reach = np.convolve(rows.astype(np.float64), np.ones(2 * gap + 1), mode="full")
+    wide: Mask = reach[gap : gap + rows.size] > 0.5
+    return wide

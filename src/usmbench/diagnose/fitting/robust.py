@@ -1,0 +1,37 @@
+"""Rows weighed by how far out they are."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.diagnose.residual.problem import Problem
+
+Array = NDArray[np.float64]
+
+_HUBER = 2.5
+
+
+def huber_weights(problem: Problem, left_rad_s: Sequence[Array]) -> list[Array]:
+    """Return the weights of the rows of each stretch: noise near the dead zone has heavy tails.
+
+    By Huber (1964, doi:10.1214/aoms/1177703732), against the median of the rows that count.
+
+    Parameters
+    ----------
+    problem
+        The problem, its rows not weighed.
+    left_rad_s
+        What is left of each stretch, shape (N,).
+    """
+    white = np.abs(problem.carried(left_rad_s)[: problem.n_rows])
+    scale = max(1.4826 * float(np.median(white)), 1.0)
+    kept = np.sqrt(np.minimum(1.0, _HUBER * scale / np.maximum(white, 1e-12)))
+    weights, at = [], 0
+    for valid in problem.valid:
+        weight = np.ones(valid.size)
+        n = int(np.count_nonzero(valid))
+        weight[valid] = kept[at : at + n]
+        weights.append(weight)
+        at += n
+    return weights

@@ -1,0 +1,239 @@
+"""Fit one effect to the whitened residual: a scan of what shapes it, its sizes to first order."""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.diagnose.fitting.fit import Fit
+from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.effects.base import Effect, Parameter
+from usmbench.model.extended import Applied
+
+Array = NDArray[np.float64]
+
+_ZOOM_ROUNDS, _JAGGED_ROUNDS = 2, 5
+_ZOOM_POINTS = 7
+_AT_ONCE = 32  # columns carried together
+_SLIGHT = 0.1  # of the speed: beside what changes less, another cause does what it does alone
+_TAIL = 1.0  # roughness that is worth the tail at one point, or more, from a statistic of 6 on
+
+Rate = Callable[[float, Array], float]  # what a drop and its unit column are worth
+
+
+def fit_effect(problem: Problem, effect: Effect, given: Sequence[Applied] = ()) -> Fit:
+    """Fit one effect, beside others that are held where they are.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    effect
+        The effect.
+    given
+        Effects that act already; the statistic counts from them.
+    """
+    search = _Search(problem, effect, tuple(given))
+    scanned = [p for p in effect.parameters if p.scanned]
+    sized = [p for p in effect.parameters if not p.scanned]
+    if scanned:
+        values, drop, roughness = search.scan(scanned, sized)
+    else:
+        (values, drop), roughness = search.exactly({}, sized), 0.0
+    return Fit((*given, Applied(effect, values)), drop, roughness)
+
+
+def sharpen(problem: Problem, fit: Fit, given: Sequence[Applied] = ()) -> Fit:
+    """Try ever finer values of what was scanned, around those of the grid.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    fit
+        What `fit_effect` found.
+    given
+        Effects that act already, as they were given to `fit_effect`.
+    """
+    last = fit.effects[-1]
+    scanned = [p for p in last.effect.parameters if p.scanned]
+    sized = [p for p in last.effect.parameters if not p.scanned]
+    search = _Search(problem, last.effect, tuple(given))
+    axes = search.axes(scanned)
+    best = (dict(last.values), fit.statistic)
+    for p, axis in zip(scanned, axes, strict=True):
+        best = search.zoomed(best, p, axis, scanned, sized, _as_is)
+    return Fit((*given, Applied(last.effect, best[0])), best[1], fit.roughness)
+
+
+def _as_is(drop: float, column: Array) -> float:
+    """Rate values by the deviance they take away."""
+    return drop
+
+
+def _matched(drop: float, column: Array) -> float:
+    """Rate values by what a free size of their change would take away.
+
+    Between the right value and its neighbours on a grid a jagged change does more harm than good.
+    """
+    square = float(column @ column)
+    along = max(0.5 * (drop + square), 0.0)
+    return along**2 / square if square > 0.0 else 0.0
+
+
+def _charged(turned: float, reached: float) -> float:
+    """Roughness to charge an effect for whose shape is its size.
+
+    A little of it lies at the beginning, where all looks alike, and must not pay for the rest of
+    the way: half of the level is kept for the first radian.
+    """
+    if turned <= 1.0:
+        return turned
+    return 2.0 * (1.0 if reached <= 1.0 else turned) + _TAIL
+
+
+class _Search:
+    """One effect beside fixed ones."""
+
+    def __init__(self, problem: Problem, effect: Effect, given: tuple[Applied, ...]):
+        self._problem, self._effect, self._given = problem, effect, given
+        self._base = problem.change_rad_s(given) if given else None
+        self._left = problem.left(given)
+
+    def _beside_little(self) -> bool:
+        """Whether the effects given change the speed so little that each acts as if alone."""
+        if self._base is None:
+            return False
+        speeds = [s.simulated_rad_s for s in self._problem.stretches]
+        changed, all_of_it = (np.linalg.norm(np.concatenate(x)) for x in (self._base, speeds))
+        return bool(changed < _SLIGHT * all_of_it)
+
+    def columns(self, points: Sequence[Mapping[str, float]], *, alone: bool = False) -> Array:
+        """Return the carried changes that the effect makes at each point, shape (M, points).
+
+        What it makes of a run without those given is at hand where it was scanned before.
+        """
+        given, base = ((), None) if alone else (self._given, self._base)
+        changes = [
+            self._problem.change_rad_s((*given, Applied(self._effect, values))) for values in points
+        ]
+        parts = [np.column_stack(part) for part in zip(*changes, strict=True)]
+        if base is not None:
+            parts = [part - b[:, None] for part, b in zip(parts, base, strict=True)]
+        return self._problem.carried(parts)
+
+    def best(
+        self,
+        shapes: Sequence[Mapping[str, float]],
+        sized: Sequence[Parameter],
+        *,
+        alone: bool = False,
+    ) -> Iterator[tuple[dict[str, float], float, Array]]:
+        """Yield the best values at each shape, the drop they bring, and the unit column."""
+        for at in range(0, len(shapes), _AT_ONCE):
+            chunk = shapes[at : at + _AT_ONCE]
+            if not sized:
+                columns = self.columns(chunk, alone=alone)
+                drops = 2.0 * (self._left @ columns) - np.sum(columns**2, axis=0)
+                for shape, drop, column in zip(chunk, drops, columns.T, strict=True):
+                    yield dict(shape), float(drop), column
+                continue
+            nulls = {q.name: q.null for q in sized}
+            points = [
+                {**shape, **nulls, p.name: p.null + p.typical} for shape in chunk for p in sized
+            ]
+            typical = np.tile([p.typical for p in sized], len(chunk))
+            columns = self.columns(points, alone=alone) / typical
+            for k, shape in enumerate(chunk):
+                own = columns[:, k * len(sized) : (k + 1) * len(sized)]
+                yield *self._sized(shape, sized, own), own[:, 0]
+
+    def _sized(
+        self, shape: Mapping[str, float], sized: Sequence[Parameter], matrix: Array
+    ) -> tuple[dict[str, float], float]:
+        """Return the best sizes at fixed shape, to first order, and the drop they bring."""
+        normal, slope = matrix.T @ matrix, matrix.T @ self._left
+        ridge = 1e-12 * np.trace(normal) * np.eye(len(sized))
+        sizes = np.linalg.lstsq(normal + ridge, slope, rcond=None)[0]
+        kept = np.array(
+            [np.clip(p.null + z, p.low, p.high) - p.null for p, z in zip(sized, sizes, strict=True)]
+        )
+        values = {p.name: float(p.null + z) for p, z in zip(sized, kept, strict=True)}
+        return {**shape, **values}, float(2.0 * kept @ slope - kept @ normal @ kept)
+
+    def scan(
+        self, scanned: Sequence[Parameter], sized: Sequence[Parameter]
+    ) -> tuple[dict[str, float], float, float]:
+        """Try a grid of shapes; return the best, and the roughness that it is charged for."""
+        shapes = [
+            {p.name: float(x) for p, x in zip(scanned, point, strict=True)}
+            for point in product(*self.axes(scanned))
+        ]
+        best: tuple[dict[str, float], float] | None = None
+        near: tuple[dict[str, float], float] = ({}, 0.0)
+        turned, reached, before = 0.0, 0.0, None
+        alone = self._beside_little()
+        for values, drop, column in self.best(shapes, sized, alone=alone):
+            size = float(np.linalg.norm(column))
+            if size > 1e-9:
+                unit = column / size
+                if before is not None:
+                    turned += math.acos(float(np.clip(abs(unit @ before), 0.0, 1.0)))
+                before = unit
+            if best is None or drop > best[1]:
+                best, reached = (values, drop), turned
+            if self._effect.jagged:
+                near = max(near, (values, _matched(drop, column)), key=lambda found: found[1])
+        if best is None:
+            raise ValueError(f"{self._effect.name}: the grid of its scanned parameters is empty")
+        if alone:
+            best = self.exactly({p.name: best[0][p.name] for p in scanned}, sized)
+        if near[1] > 0.0:
+            best = max(best, self._caught(near, scanned), key=lambda found: found[1])
+        if sized or self._effect.jagged:
+            return *best, turned
+        return *best, _charged(turned, reached)
+
+    def axes(self, scanned: Sequence[Parameter]) -> list[Array]:
+        """Return the values at which each parameter is tried first."""
+        grids = self._effect.grid([s.context for s in self._problem.stretches])
+        return [np.clip(grids[p.name], p.low, p.high) for p in scanned]
+
+    def _caught(
+        self, near: tuple[dict[str, float], float], scanned: Sequence[Parameter]
+    ) -> tuple[dict[str, float], float]:
+        """Close in on what the scan of a jagged effect came near; return the drop there."""
+        for p, axis in zip(scanned, self.axes(scanned), strict=True):
+            near = self.zoomed(near, p, axis, scanned, (), _matched)
+        return self.exactly(near[0], ())
+
+    def exactly(
+        self, shape: Mapping[str, float], sized: Sequence[Parameter]
+    ) -> tuple[dict[str, float], float]:
+        """Return the best values at one shape beside what is given, and the drop they bring."""
+        ((values, drop, _),) = self.best([shape], sized)
+        return values, drop
+
+    def zoomed(
+        self,
+        best: tuple[dict[str, float], float],
+        parameter: Parameter,
+        axis: Array,
+        scanned: Sequence[Parameter],
+        sized: Sequence[Parameter],
+        rate: Rate,
+    ) -> tuple[dict[str, float], float]:
+        """Try ever finer values of one scanned parameter, the others held."""
+        near = axis
+        for _ in range(_JAGGED_ROUNDS if self._effect.jagged else _ZOOM_ROUNDS):
+            k = int(np.argmin(np.abs(near - best[0][parameter.name])))
+            near = np.linspace(near[max(k - 1, 0)], near[min(k + 1, near.size - 1)], _ZOOM_POINTS)
+            held = {p.name: best[0][p.name] for p in scanned}
+            shapes = [{**held, parameter.name: float(value)} for value in near]
+            for values, drop, column in self.best(shapes, sized):
+                worth = rate(drop, column)
+                if worth > best[1]:
+                    best = (values, worth)
+        return best

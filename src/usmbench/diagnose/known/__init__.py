@@ -1,0 +1,1 @@
+"""What a model may leave without anything being wrong."""

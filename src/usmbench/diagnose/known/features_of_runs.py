@@ -1,0 +1,66 @@
+"""The family of shapes for given runs: where its nodes lie, and how large its scales are."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.diagnose.known.features import Features
+from usmbench.diagnose.known.shapes import phase_nodes, unheld_rad_s, unmeasured_rad_s
+
+Array = NDArray[np.float64]
+
+_TABLE = 2001
+
+
+def features_of(stretches: Sequence[Stretch]) -> Features:
+    """Return the family for the runs that a model was identified on.
+
+    Parameters
+    ----------
+    stretches
+        The runs.
+    """
+    phase_deg = [s.context.phase_deg for s in stretches]
+    table_deg = np.linspace(
+        min(p.min() for p in phase_deg), max(p.max() for p in phase_deg), _TABLE
+    )
+    speeds = [_at_point(stretches, k, table_deg) for k in range(len(stretches[0].points))]
+    nodes_deg = phase_nodes(table_deg, speeds)
+    every_deg = np.sort(np.concatenate(phase_deg))
+    between = unmeasured_rad_s(nodes_deg, np.unique(every_deg), table_deg, speeds)
+    top_rad_s = max(max(float(np.max(np.abs(s.settled_rad_s))) for s in stretches), 1e-9)
+    at_ends = unheld_rad_s(nodes_deg, every_deg, top_rad_s)
+    unmeasured = tuple(float(f"{off:.4g}") for off in np.hypot(between, at_ends))
+    return Features(
+        nodes_deg,
+        top_rad_s,
+        max(float(s.context.t_s[-1]) for s in stretches),
+        len(stretches[0].points),
+        len(stretches[0].places),
+        _steepest_rad_s(stretches),
+        unmeasured,
+    )
+
+
+def _at_point(stretches: Sequence[Stretch], point: int, phase_deg: Array) -> Array:
+    """Settled speeds at phases at the rows that are nearest to an operating point."""
+    nearest = max(stretches, key=lambda s: float(np.sum(s.points[point])))
+    rows = np.argsort(-nearest.points[point], kind="stable")[: max(nearest.context.n // 4, 1)]
+    speeds = []
+    for part in np.array_split(phase_deg, -(-phase_deg.size // rows.size)):
+        asked_deg = nearest.context.phase_deg.copy()
+        asked_deg[rows[: part.size]] = part
+        speeds.append(nearest.context.settled_rad_s(asked_deg)[rows[: part.size]])
+    return np.concatenate(speeds)
+
+
+def _steepest_rad_s(stretches: Sequence[Stretch]) -> float | None:
+    """Largest change of the speed with the relative drive frequency, where it is known."""
+    changes = [
+        float(np.max(np.abs(s.context.detuning_rad_s(s.context.phase_deg))))
+        for s in stretches
+        if s.context.detuning_rad_s is not None
+    ]
+    return max(changes) if changes and min(changes) > 0.0 else None

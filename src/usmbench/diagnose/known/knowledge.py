@@ -1,0 +1,219 @@
+"""What is known of a model before a run is judged: its noise, its known misfit, its repeatability.
+
+`usmbench identify` measures it on the runs that the model was fitted on and the model file carries
+it under ``residual: diagnosis``; for a model without it, cautious values stand in its place.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import compress
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import block_diag
+
+from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.diagnose.known.between_nodes import between_nodes, deviations_rad_s
+from usmbench.diagnose.known.features import Features
+from usmbench.diagnose.known.shapes import phase_nodes
+from usmbench.diagnose.known.triangle_text import triangle_of, triangle_text
+from usmbench.diagnose.known.wander import (
+    LEAST,
+    Wander,
+    departures,
+    wander_from_mapping,
+    wander_of_shares,
+)
+from usmbench.diagnose.noise.noise_model import Noise, noise_from_mapping
+from usmbench.errors import InputError
+from usmbench.model.extended import applied_effects
+from usmbench.model.hammerstein import HammersteinModel
+from usmbench.model.operating_points import places_among
+
+Array = NDArray[np.float64]
+
+KEY = "diagnosis"
+_CAUTIOUS_CURVE = 0.2  # of the model's noise, at each node
+_CAUTIOUS_LAG = 0.02
+_TABLE = 2001
+
+
+@dataclass(frozen=True, slots=True)
+class Knowledge:
+    """What is known beforehand.
+
+    Parameters
+    ----------
+    noise
+        The noise; None where the model says nothing and the run itself must tell.
+    features
+        Shapes that the model may leave.
+    mean
+        How much of each it leaves, shape (K,).
+    root
+        Square root of the covariance of how far a run may be from that: each column is one way in
+        which it may, shape (K, K).
+    wander
+        How far a run may be from that by what differs from run to run.
+    spikes_hz
+        Rate of windows that stand alone in the identified runs.
+    habits
+        What the bench does to every command and the model does not know, such as its own grid of
+        phases: entries of a model's `effects`.
+    """
+
+    noise: Noise | None
+    features: Features
+    mean: Array
+    root: Array
+    wander: Wander
+    spikes_hz: float = 0.0
+    habits: tuple[dict[str, Any], ...] = ()
+
+    @property
+    def habit_names(self) -> frozenset[str]:
+        """Names of the causes that healthy runs show anyhow."""
+        return frozenset(habit["name"] for habit in self.habits)
+
+    @property
+    def nothing(self) -> "Knowledge":
+        """The same noise, and no shape that the model is known to leave."""
+        return replace(self, mean=np.zeros_like(self.mean), root=np.zeros_like(self.root))
+
+    def expected_rad_s(self, stretch: Stretch) -> Array:
+        """Return the mean residual of a stretch that is no news.
+
+        Parameters
+        ----------
+        stretch
+            The stretch.
+        """
+        return self.features.combined(stretch, self.mean)
+
+    def background(self, stretches: Sequence[Stretch]) -> tuple[list[Array], Array]:
+        """Return what may differ without being news: shapes, and in which ways they may.
+
+        Parameters
+        ----------
+        stretches
+            The runs.
+
+        Returns
+        -------
+        shapes
+            One array a stretch, shape (N, S), mostly zeros: the same column is the same difference
+            on all of them.
+        root
+            Square root of the coefficients' covariance, shape (S, K): the columns of
+            ``shapes @ root`` are differences of one standard deviation.
+        """
+        runs, habits = sorted({s.run for s in stretches}), applied_effects(self.habits)
+        free = self.root != 0.0
+        shaped, ways = np.any(free, axis=1), np.any(free, axis=0)
+        warms = np.where(self.features.warms, self.mean, 0.0)[shaped]
+        off_rad_s = deviations_rad_s(self.features, self.mean, self.root)
+        found = []
+        for s in stretches:
+            none = np.empty((s.context.n, 0))
+            shapes = np.column_stack([none, *compress(self.features.columns(s), shaped)])
+            own = departures(s, self.features.warming(s, shapes @ warms), habits)
+            between = between_nodes(s, self.features, off_rad_s)
+            doubt = none if s.doubt_rad_s is None else s.doubt_rad_s
+            apart = (own * (s.run == r) for r in runs)
+            found.append(np.column_stack([shapes, between, doubt, *apart]))
+        wanders = np.diag(np.tile(self.wander.deviations, len(runs)))
+        known = self.root[np.ix_(shaped, ways)]
+        unsure = np.eye(found[0].shape[1] - known.shape[0] - wanders.shape[0])
+        return found, block_diag(known, unsure, wanders)
+
+    def to_mapping(self) -> dict[str, Any]:
+        """Return what the model file keeps."""
+        return {
+            "noise": None if self.noise is None else self.noise.to_mapping(),
+            "features": self.features.to_mapping(),
+            "mean": [float(f"{value:.5g}") for value in self.mean],
+            "covariance_root": triangle_text(self.root / self.features.prior[:, None]),
+            **self.wander.to_mapping(),
+            "spikes_hz": self.spikes_hz,
+            "habits": list(self.habits),
+        }
+
+
+def knowledge_of(model: HammersteinModel) -> Knowledge:
+    """Return what a model carries, or cautious values.
+
+    Parameters
+    ----------
+    model
+        The model.
+
+    Raises
+    ------
+    InputError
+        The model carries something else under this key.
+    """
+    content = model.residual.get(KEY)
+    if content is None:
+        return _cautious(model)
+    try:
+        features = _features(content["features"])
+        known = Knowledge(
+            noise_from_mapping(content["noise"]),
+            features,
+            np.array(content["mean"], dtype=np.float64),
+            features.prior[:, None] * triangle_of(content["covariance_root"], len(features.groups)),
+            wander_from_mapping(content),
+            float(content["spikes_hz"]),
+            tuple(content["habits"]),
+        )
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        raise InputError(
+            f"the model's residual: {KEY} is damaged ({error}); identify the model again"
+        ) from error
+    n_shapes = len(known.features.groups)
+    if known.mean.shape != (n_shapes,):
+        raise InputError(
+            f"the model's residual: {KEY} does not have {n_shapes} shapes; identify the model again"
+        )
+    return known
+
+
+def _features(content: dict[str, Any]) -> Features:
+    """Return the shapes that a model file keeps."""
+    nodes_deg = tuple(float(node) for node in content["nodes_deg"])
+    steepest_rad_s = content.get("steepest_rad_s")
+    return Features(
+        nodes_deg,
+        float(content["top_rad_s"]),
+        float(content["end_s"]),
+        int(content.get("n_points", 1)),
+        int(content.get("n_places", 0)),
+        None if steepest_rad_s is None else float(steepest_rad_s),
+        tuple(float(off) for off in content.get("unmeasured_rad_s", ())),
+    )
+
+
+def _cautious(model: HammersteinModel) -> Knowledge:
+    """Values for a model of which nothing but its noise is known."""
+    noise_rad_s = float(np.median([p.noise_rad_s for p in model.points]))
+    low_deg = min(p.phase_range_deg[0] for p in model.points)
+    high_deg = max(p.phase_range_deg[1] for p in model.points)
+    table_deg = np.linspace(low_deg, high_deg, _TABLE)
+    features = Features(
+        phase_nodes(table_deg, [p.curve.speed_rad_s(table_deg) for p in model.points]),
+        max(max(float(np.max(np.abs(p.curve.delta))) for p in model.points), 1e-9),
+        1.0,
+        len(model.points),
+        len(places_among(model.points, list(np.eye(len(model.points))))),
+    )
+    lags = {g: _CAUTIOUS_LAG for g in features.groups if g.startswith("lag")}
+    deviation = {"phase": _CAUTIOUS_CURVE * noise_rad_s, **lags}
+    groups = features.groups
+    return Knowledge(
+        None,
+        features,
+        np.zeros(len(groups)),
+        np.diag([deviation.get(g, 0.0) for g in groups]),
+        wander_of_shares(LEAST, features.top_rad_s, features.n_points, features.n_places),
+    )

@@ -1,0 +1,206 @@
+"""The coefficients of what a model leaves, learnt from the runs that it was identified on.
+
+They are estimated from all runs with priors (a ridge), weighted and whitened. How far another run
+may be from them is the estimate's own error, and what leaving out one run at a time shows beyond
+it: a moment estimate for each group of shapes.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.diagnose.cutting.stretches import Mask, Stretch
+from usmbench.diagnose.known.features import Features
+from usmbench.diagnose.known.wander_estimate import beside
+from usmbench.diagnose.noise.noise_model import Noise
+from usmbench.diagnose.noise.whitening import whitening
+
+Array = NDArray[np.float64]
+
+_ROUNDS = 3
+_FOLDS, _BLOCK = 4, 100
+_HUBER = 3.0
+_TIED = 100.0  # weight with which the runs' own deviations add up to 0
+_CHANCE = 1.0  # standard deviations by which chance alone lets folds differ
+
+
+@dataclass(frozen=True, slots=True)
+class Learnt:
+    """What runs teach.
+
+    Parameters
+    ----------
+    mean
+        Coefficient of each shape, shape (K,).
+    root
+        Square root of the covariance of how far a run may be from them, shape (K, K).
+    runs
+        What each run is off by on its own, in deviations, shape (R, O).
+    gram, slope
+        Normal equations of those, the shapes learnt beside them, shapes (R, O, R, O) and (R, O).
+    """
+
+    mean: Array
+    root: Array
+    runs: Array
+    gram: Array
+    slope: Array
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """Whitened columns of one stretch on the rows that count, and where they belong."""
+
+    columns: Array
+    error: Array
+    fold: NDArray[np.intp]
+    at: NDArray[np.intp]
+
+    def rest(self, theta: Array) -> Array:
+        """Return what coefficients leave of the error, shape (rows,)."""
+        rest: Array = self.error - self.columns @ theta[self.at]
+        return rest
+
+
+def learn(
+    features: Features,
+    stretches: Sequence[Stretch],
+    shapes: Sequence[Array],
+    noise: Noise,
+    masks: Sequence[Mask],
+    own: Sequence[Array],
+) -> Learnt:
+    """Learn the shapes' coefficients.
+
+    Parameters
+    ----------
+    features
+        The family of shapes.
+    stretches
+        The runs.
+    shapes
+        Its columns on each, shape (N, K).
+    noise
+        The noise in force.
+    masks
+        Rows of each that count.
+    own
+        What each run may be off by on its own, of one standard deviation, shape (N, O).
+    """
+    prior, n_own = features.prior, own[0].shape[1]
+    n_runs = 1 + max(s.run for s in stretches)
+    size = prior.size + n_own * n_runs
+    parts = _whitened(stretches, shapes, own, prior, noise, masks)
+    ties = _ties(stretches, own, prior.size)
+    theta = np.zeros(size)
+    n_folds = n_runs if n_runs > 1 else _FOLDS
+    whole = _moments(parts, (np.ones(p.error.size) for p in parts), size, n_folds)
+    for _ in range(_ROUNDS):
+        # Few rows are far out: cheaper to take these off again than to weigh all.
+        far = _moments(parts, _far_shares(parts, theta), size, n_folds)
+        grams, slopes = (all_rows - off for all_rows, off in zip(whole, far, strict=True))
+        gram, slope = grams.sum(axis=0) + ties, slopes.sum(axis=0)
+        theta = np.linalg.solve(gram, slope)
+    covariance = np.linalg.inv(gram)
+    extra = _between(features.groups, grams, slopes)
+    root = np.linalg.cholesky(covariance[: prior.size, : prior.size] + np.diag(extra**2))
+    runs = theta[prior.size :].reshape(n_runs, n_own)
+    learnt = np.arange(size) < prior.size
+    left, toward = beside(grams.sum(axis=0) + np.diag(learnt.astype(float)), slope, ~learnt)
+    return Learnt(
+        prior * theta[: prior.size],
+        prior[:, None] * root,
+        runs,
+        left.reshape(runs.shape * 2),
+        toward.reshape(runs.shape),
+    )
+
+
+def _whitened(
+    stretches: Sequence[Stretch],
+    shapes: Sequence[Array],
+    own: Sequence[Array],
+    prior: Array,
+    noise: Noise,
+    masks: Sequence[Mask],
+) -> list[_Part]:
+    """Whiten shapes and what is a run's own, and say which coefficients they have."""
+    n_shapes, n_own, lone = prior.size, own[0].shape[1], all(s.run == 0 for s in stretches)
+    parts = []
+    for s, shape, departed, mask in zip(stretches, shapes, own, masks, strict=True):
+        white, both = whitening(noise, s)[mask], np.column_stack((shape * prior, departed))
+        columns, error = (np.asarray(white @ part) for part in (both, s.residual_rad_s))
+        fold = _block_of(mask) if lone else np.full(error.size, s.run)
+        at = np.r_[:n_shapes, n_shapes + n_own * s.run + np.arange(n_own)]
+        parts.append(_Part(columns, error, fold, at))
+    return parts
+
+
+def _ties(stretches: Sequence[Stretch], own: Sequence[Array], n_shapes: int) -> Array:
+    """Priors of all coefficients.
+
+    What all runs have in common belongs to the model's error, which the shapes carry.
+    """
+    moves = np.zeros((1 + max(s.run for s in stretches), own[0].shape[1]))
+    for s, departed in zip(stretches, own, strict=True):
+        moves[s.run] = np.maximum(moves[s.run], np.any(departed != 0.0, axis=0))
+    common = _TIED * np.hstack([np.zeros((moves.shape[1], n_shapes)), *map(np.diag, moves)])
+    return np.asarray(np.eye(common.shape[1]) + common.T @ common)
+
+
+def _block_of(mask: Mask) -> NDArray[np.intp]:
+    """Fold of each row that counts, of a run that is alone: blocks take turns, shape (rows,)."""
+    block: NDArray[np.intp] = np.arange(mask.size)[mask] // _BLOCK % _FOLDS
+    return block
+
+
+def _far_shares(parts: Sequence[_Part], theta: Array) -> Iterator[Array]:
+    """Yield the share by which each row does not count (Huber)."""
+    for part in parts:
+        size = np.maximum(np.abs(part.rest(theta)), 1e-12)
+        yield 1.0 - np.minimum(1.0, _HUBER / size)
+
+
+def _moments(
+    parts: Sequence[_Part], shares: Iterator[Array], size: int, n_folds: int
+) -> tuple[Array, Array]:
+    """Return the weighed normal equations of each fold: a run each, or parts of a single one."""
+    grams, slopes = np.zeros((n_folds, size, size)), np.zeros((n_folds, size))
+    for part, share in zip(parts, shares, strict=True):
+        for k in np.unique(part.fold):
+            rows = (part.fold == k) & (share > 0.0)
+            root = np.sqrt(share[rows])
+            # A product with its own transpose takes half the time.
+            weighed = part.columns[rows] * root[:, None]
+            grams[k][np.ix_(part.at, part.at)] += weighed.T @ weighed
+            slopes[k][part.at] += weighed.T @ (part.error[rows] * root)
+    return grams, slopes
+
+
+def _between(groups: Sequence[str], grams: Array, slopes: Array) -> Array:
+    """Deviation of a fold's coefficients beyond their error, in priors, by group.
+
+    With b₋ from the other folds and its covariance C, the score u = Xᵀ(y − X b₋) of the fold left
+    out has the covariance G + G C G + τ² G_g G_gᵀ for the group's columns; the trace gives τ².
+    """
+    names = np.array(groups)
+    total, slope = grams.sum(axis=0) + np.eye(grams.shape[1]), slopes.sum(axis=0)
+    extra = np.zeros(names.size)
+    above = {g: [0.0, 0.0, 0.0] for g in dict.fromkeys(groups)}
+    for gram, own in zip(grams, slopes, strict=True):
+        covariance = np.linalg.inv(total - gram)
+        score = own - gram @ (covariance @ (slope - own))
+        for g, sums in above.items():
+            at = np.flatnonzero(names == g)
+            block = gram[:, at]
+            # Columns that the fold hardly excites say nothing: weigh by what they hold.
+            null = block[at] + block.T @ covariance @ block
+            sums[0] += float(score[at] @ score[at]) - float(np.trace(null))
+            sums[1] += float(np.sum(block[at] ** 2))
+            sums[2] += 2.0 * float(np.sum(null**2))
+    for g, (excess, scale, variance) in above.items():
+        if excess > _CHANCE * np.sqrt(variance):
+            extra[names == g] = np.sqrt(excess / scale)
+    return extra

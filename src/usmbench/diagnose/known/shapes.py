@@ -1,0 +1,231 @@
+"""What the shapes of a known residual are made of: hats over nodes, and what a change would do."""
+
+from collections.abc import Sequence
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.model.effects.first_order import later
+from usmbench.model.hammerstein import LinearPart
+from usmbench.model.linear import free_run, from_rest
+
+Array = NDArray[np.float64]
+
+PHASE_NODES = 49
+_APART = 2e-5  # of the range: seven digits tell it
+_NUDGE = 1e-4  # of the slip at which the torque gives out, and of a window
+_TRACE = 1e-4  # of what a change begins with
+_HELD, _OPEN_END = 8, 0.05  # rows that hold an end of a curve; share of the highest speed
+_STANDING = 0.01  # of the highest speed: in the dead zone a fitted curve is not exactly 0
+
+
+def phase_nodes(phase_deg: Array, speeds_rad_s: Sequence[Array]) -> tuple[float, ...]:
+    """Return nodes that share out the phases, the changes of speed, and the bends.
+
+    Parameters
+    ----------
+    phase_deg
+        Phases, evenly spaced and rising, shape (N,).
+    speeds_rad_s
+        Settled speeds there at each operating point, shape (N,) each.
+    """
+    path = np.cumsum(sum(np.abs(np.diff(s, prepend=s[:1])) for s in speeds_rad_s))
+    bend = np.cumsum(sum(np.abs(np.gradient(np.gradient(s))) for s in speeds_rad_s))
+    along = np.linspace(0.0, 1.0, phase_deg.size)
+    for part in (path, bend):
+        along = along + part / max(float(part[-1]), 1e-12)
+    nodes = np.interp(np.linspace(0.0, along[-1], PHASE_NODES), along, phase_deg)
+    # Where a curve does all at one place, nodes would meet there.
+    apart = _APART * (phase_deg[-1] - phase_deg[0]) * np.arange(PHASE_NODES)
+    nodes = np.maximum.accumulate(nodes - apart) + apart
+    nodes = np.minimum(nodes, phase_deg[-1] - apart[::-1])
+    return tuple(float(f"{node:.7g}") for node in nodes)
+
+
+def unmeasured_rad_s(
+    nodes_deg: Sequence[float], measured_deg: Array, phase_deg: Array, speeds_rad_s: Sequence[Array]
+) -> tuple[float, ...]:
+    """Return how far off a curve may be at its nodes for lying between measured phases.
+
+    Over a gap of width h in which the slope turns by s, a curve may turn anywhere: a straight line
+    across is off by up to s h / 4.
+
+    Parameters
+    ----------
+    nodes_deg
+        The nodes.
+    measured_deg
+        Phases that were measured, rising, shape (M,).
+    phase_deg
+        Phases, evenly spaced and rising, shape (N,).
+    speeds_rad_s
+        Settled speeds there at each operating point, shape (N,) each.
+    """
+    if measured_deg.size < 2:
+        return (0.0,) * len(nodes_deg)
+    slopes = [np.gradient(s, phase_deg) for s in speeds_rad_s]
+    right = np.clip(np.searchsorted(measured_deg, nodes_deg), 1, measured_deg.size - 1)
+    off = []
+    for low, high in zip(measured_deg[right - 1], measured_deg[right], strict=True):
+        near = (phase_deg >= low) & (phase_deg <= high)
+        turn = max((float(np.ptp(slope[near])) for slope in slopes if near.any()), default=0.0)
+        off.append(float(f"{0.25 * turn * (high - low):.4g}"))
+    return tuple(off)
+
+
+def unheld_rad_s(nodes_deg: Sequence[float], rows_deg: Array, top_rad_s: float) -> Array:
+    """Return how far off a curve may be at nodes that have few rows there or farther out.
+
+    A multisine comes to its ends once or twice, which does not tell how the curve saturates.
+
+    Parameters
+    ----------
+    nodes_deg
+        The nodes, rising, shape (K,).
+    rows_deg
+        Phases of all rows, rising, shape (N,).
+    top_rad_s
+        Highest speed.
+
+    Returns
+    -------
+    Array
+        Shape (K,).
+    """
+    up = np.searchsorted(rows_deg, nodes_deg, side="right")
+    down = rows_deg.size - np.searchsorted(rows_deg, nodes_deg, side="left")
+    held = np.minimum(np.minimum(up, down) / _HELD, 1.0)
+    return np.asarray(_OPEN_END * top_rad_s * (1.0 - held))
+
+
+def felt(linear: LinearPart, off_rad_s: Array) -> Array:
+    """Pass changes of the settled speed through the linear part, and drop what is left at last.
+
+    Columns ought to be mostly zeros. A limit of the torque is left aside: its tangent takes a free
+    run for each of them.
+
+    Parameters
+    ----------
+    linear
+        The linear part.
+    off_rad_s
+        The changes, shape (N, K).
+    """
+    felt = from_rest(linear.b, linear.a, linear.dead_time_windows, off_rad_s)
+    return np.where(np.abs(felt) < _TRACE, 0.0, felt)
+
+
+def shown(stretch: Stretch, settled_rad_s: Array) -> Array:
+    """Return what the shaft shows of a small change of the settled speed, from rest.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    settled_rad_s
+        The change, shape (N,), or (N, K) for K of them at once.
+    """
+    linear = stretch.context.linear
+    limit_rad_s = linear.slip_limit_rad_s
+    if limit_rad_s is None:
+        return from_rest(linear.b, linear.a, linear.dead_time_windows, settled_rad_s)
+    moved: Array = np.apply_along_axis(partial(_limited, stretch, limit_rad_s), 0, settled_rad_s)
+    return moved
+
+
+def _limited(stretch: Stretch, limit_rad_s: float, change: Array) -> Array:
+    """Tangent of the run with a torque limit along a change, shape (N,)."""
+    linear, settled_rad_s = stretch.context.linear, stretch.settled_rad_s
+    largest = float(np.max(np.abs(change)))
+    if largest == 0.0:
+        return change
+    step, start_rad_s = _NUDGE * limit_rad_s / largest, float(settled_rad_s[0])
+    moved = free_run(linear, settled_rad_s + step * change, start_rad_s)
+    return (moved - free_run(linear, settled_rad_s, start_rad_s)) / step
+
+
+def widening(stretch: Stretch) -> Array:
+    """Return the change of speed for each degree by which the dead zone widens on both sides.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    context = stretch.context
+    way = np.sign(context.phase_deg)
+    moved = context.settled_rad_s(context.phase_deg - way)
+    return shown(stretch, moved - stretch.settled_rad_s)
+
+
+def highest_rad_s(stretch: Stretch) -> Array:
+    """Return the highest speed at each row's operating point, over the phases of the stretch.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    context = stretch.context
+    top_deg = context.phase_deg[np.argmax(np.abs(stretch.settled_rad_s))]
+    return np.abs(context.settled_rad_s(np.full(context.n, top_deg)))
+
+
+def speed_share(stretch: Stretch) -> Array:
+    """Return the settled speed as a share of the highest at each row's operating point, shape (N,).
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    share: Array = stretch.settled_rad_s / np.maximum(highest_rad_s(stretch), 1e-12)
+    return share
+
+
+def turning(stretch: Stretch) -> Array:
+    """Return 0 where friction holds the rotor, and 1 where it turns, shape (N,).
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    turns: Array = np.minimum(np.abs(speed_share(stretch)) / _STANDING, 1.0)
+    return turns
+
+
+def detuned_rad_s(stretch: Stretch) -> Array:
+    """Return the change of speed with the relative drive frequency, 0 where it is not known.
+
+    A little of it starts no rotor that friction holds.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    context, detuning_rad_s = stretch.context, stretch.context.detuning_rad_s
+    if detuning_rad_s is None:
+        return np.zeros(context.n)
+    return shown(stretch, turning(stretch) * detuning_rad_s(context.phase_deg))
+
+
+def later_rad_s_per_s(stretch: Stretch) -> Array:
+    """Return the change of speed for each second by which commands act later, shape (N,).
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    linear, window_s = stretch.context.linear, stretch.context.window_s
+    little_s = _NUDGE * window_s
+    start_rad_s = float(stretch.settled_rad_s[0])
+    late, latest = (
+        free_run(later(linear, k * little_s, window_s), stretch.settled_rad_s, start_rad_s)
+        for k in (1.0, 2.0)
+    )
+    return (latest - late) / little_s

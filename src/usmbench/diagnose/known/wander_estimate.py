@@ -1,0 +1,99 @@
+"""The wander estimated from the departures that several runs show."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import helmert
+
+from usmbench.diagnose.known.wander import Wander, lowest_shown, wander_of_deviations
+
+Array = NDArray[np.float64]
+
+_FEWEST = 0.5  # degrees of freedom that an estimate needs
+_MOST_ROUNDS, _AT_REST = 300, 1e-3
+_SWEEPS, _PLAUSIBLY = 3, 0.7
+_TRIED, _BEYOND = 200, 4.0  # plausible deviations: how many, and the last, of the widest
+
+
+def measured_wander(widest: Wander, least: Wander, gram: Array, slope: Array) -> Wander:
+    """Estimate the wander from what the runs show of their departures.
+
+    First the most likely standard deviations: each is that of the departures, as they are estimated
+    under it, over as many of them as the runs determine (MacKay 1992,
+    doi:10.1162/neco.1992.4.3.415). Of departures that look alike, as a gain and less friction do,
+    those go that the others make unlikely. A standard deviation of few values is itself uncertain:
+    the one is taken below which it lies at odds of 7 to 3, the others being as they are, and any
+    order of magnitude as plausible beforehand.
+
+    Parameters
+    ----------
+    widest, least
+        What any run may be off by, and what stands in where the runs do not show it.
+    gram, slope
+        Normal equations of each run's departures, all that is learnt beside them taken out, shape
+        (R, W, R, W) and (R, W).
+    """
+    if slope.shape[0] < 2:
+        return least
+    apart = helmert(slope.shape[0])  # the mean belongs to the model
+    unit = widest.deviations
+    gram = np.einsum("kr,rvsw,ls->kvlw", apart, gram, apart) * unit[:, None, None] * unit
+    slope = apart @ slope * unit
+    floor = lowest_shown(least).deviations / unit
+    shown = (_determined(gram, slope, np.ones(unit.size))[1] > _FEWEST) & (floor < 1.0)
+    size = _likeliest(gram, slope, np.where(shown, 1.0, least.deviations / unit), shown, floor)
+    for which in np.tile(np.flatnonzero(shown), _SWEEPS):
+        size[which] = _plausible(gram, slope, size, int(which), float(floor[which]))
+    return wander_of_deviations(size * unit, len(least.gain_tilt))
+
+
+def beside(gram: Array, slope: Array, own: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Return the normal equations of some coefficients with the others learnt beside them.
+
+    Parameters
+    ----------
+    gram, slope
+        Normal equations of all, with what is known of the others beforehand, shape (K, K) and (K,).
+    own
+        Which to keep, shape (K,).
+    """
+    learnt = np.linalg.solve(gram[~own][:, ~own], np.c_[gram[~own][:, own], slope[~own]])
+    left = np.c_[gram[own][:, own], slope[own]] - gram[own][:, ~own] @ learnt
+    return left[:, :-1], left[:, -1]
+
+
+def _likeliest(
+    gram: Array, slope: Array, size: Array, shown: NDArray[np.bool_], floor: Array
+) -> Array:
+    """Return the likeliest deviations, those that are not shown as they are, shape (W,)."""
+    for _ in range(_MOST_ROUNDS):
+        square, determined = _determined(gram, slope, size)
+        likely = np.maximum(np.sqrt(square / np.maximum(determined, 1e-12)), floor)
+        before, size = size, np.where(shown, likely, size)
+        if np.allclose(before, size, rtol=_AT_REST):
+            break
+    return size
+
+
+def _determined(gram: Array, slope: Array, size: Array) -> tuple[Array, Array]:
+    """Return each departure's sum of squares, and how many values of it are determined, (W,)."""
+    n, variance = slope.size, np.tile(size**2, slope.shape[0])
+    covariance = np.linalg.inv(gram.reshape(n, n) + np.diag(1.0 / variance))
+    values = (covariance @ slope.ravel()).reshape(slope.shape)
+    free = (1.0 - np.diag(covariance) / variance).reshape(slope.shape)
+    return np.sum(values**2, axis=0), np.sum(free, axis=0)
+
+
+def _plausible(gram: Array, slope: Array, size: Array, which: int, floor: float) -> float:
+    """Return what one departure's deviation is plausibly below, the others being as they are."""
+    n = slope.size
+    own = np.arange(n) % size.size == which
+    known = np.where(own, 0.0, 1.0 / np.tile(size**2, slope.shape[0]))
+    left, toward = beside(gram.reshape(n, n) + np.diag(known), slope.ravel(), own)
+    power, ways = np.linalg.eigh(left)
+    tried = np.geomspace(floor, _BEYOND, _TRIED)
+    squares = tried[:, None] ** 2
+    seen = 1.0 + squares * np.maximum(power, 0.0)
+    explained = squares * (ways.T @ toward) ** 2 / seen
+    likely = 0.5 * np.sum(explained - np.log(seen), axis=1)
+    below = np.cumsum(np.exp(likely - np.max(likely)))
+    return float(np.interp(_PLAUSIBLY * below[-1], below, tried))

@@ -1,0 +1,1 @@
+"""Which causes to name, and whether the names may stand."""

@@ -1,0 +1,80 @@
+"""The smallest size of each cause that the runs would have shown."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.stats import norm
+
+from usmbench.diagnose.evidence import Detectable
+from usmbench.diagnose.fitting.fit import Fit
+from usmbench.diagnose.naming.ranking import CLEAR
+from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.effects.base import Effect, Parameter
+from usmbench.model.extended import Applied
+
+_POWER = 0.9
+_MOST = 1e3  # deviance that no chance reaches
+_DOUBLINGS = 14
+
+
+def smallest_sizes(
+    problem: Problem, effects: Sequence[Effect], spread: float
+) -> tuple[Detectable, ...]:
+    """Return, by cause, the size at which its deviance is found with 90 % power.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    effects
+        Testable effects.
+    spread
+        Standard deviation of the whitened noise.
+    """
+    found: dict[str, Detectable] = {}
+    for effect in effects:
+        if effect.sporadic or not effect.parameters or effect.name in found:
+            continue
+        sized = next((p for p in effect.parameters if not p.scanned), effect.parameters[0])
+        threshold = _threshold(effect, CLEAR / len(effects))
+        wanted = (math.sqrt(threshold) + float(norm.ppf(_POWER))) ** 2 * spread**2
+        value = _size(problem, effect, sized, wanted)
+        if value is not None:
+            found[effect.name] = Detectable(effect.name, sized.name, value, sized.unit)
+    return tuple(found.values())
+
+
+def _threshold(effect: Effect, p_value: float) -> float:
+    """Statistic at which an effect alone has a probability, at one point of its scan."""
+    applied = (Applied(effect, {}),)
+    return float(brentq(lambda u: Fit(applied, u, 0.0).p_value - p_value, 0.0, _MOST))
+
+
+def _size(problem: Problem, effect: Effect, sized: Parameter, wanted: float) -> float | None:
+    """Double the size until it shows, then interpolate in its square root."""
+    grids = effect.grid([s.context for s in problem.stretches])
+    shape = {p.name: float(np.median(grids.get(p.name, p.null))) for p in effect.parameters}
+
+    def energy(size: float) -> float:
+        values = {**shape, sized.name: sized.null + size}
+        carried = problem.carried(problem.change_rad_s([Applied(effect, values)]))
+        return float(carried @ carried)
+
+    if energy(0.0) >= wanted:
+        return None  # it shows at any size
+    low, low_energy = 0.0, 0.0
+    size = sized.typical / 64.0
+    for _ in range(_DOUBLINGS):
+        size = min(size, sized.high - sized.null)
+        here = energy(size)
+        if here >= wanted:
+            share = (math.sqrt(wanted) - math.sqrt(low_energy)) / (
+                math.sqrt(here) - math.sqrt(low_energy)
+            )
+            return low + share * (size - low)
+        if size >= sized.high - sized.null:
+            return None
+        low, low_energy, size = size, here, 2.0 * size
+    return None

@@ -1,0 +1,230 @@
+"""What a search for causes came to, and whether its names may stand."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.diagnose.fitting.fit import Fit
+from usmbench.diagnose.naming.chance import chancy_of, leaves_scatter
+from usmbench.diagnose.naming.ranking import NO_CHANCE, Ranked
+from usmbench.diagnose.naming.remainder import LOUD
+from usmbench.diagnose.naming.sporadic import Sporadic
+from usmbench.diagnose.residual.problem import Problem
+from usmbench.diagnose.residual.whole import PLAINLY, Whole, verdict
+from usmbench.diagnose.result import Verdict
+
+Array = NDArray[np.float64]
+
+_MOST_NAMED = 2  # where a third earns its place, too, it is more likely that none is the cause
+# What has no name is a finding only from half the noise's rms on; a name must earn its own place.
+_LEAST_EXCESS = 0.25
+_MOST_LEFT = 0.4  # as a share; what verdict() calls partly explained ends there, too
+_GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by a tenth
+_TRIFLE = 0.01  # of what there was: what a form of an effect may be off by
+_MOSTLY = 0.5  # of what is off
+_SCATTER = 0.5  # of what is left: the rest is smooth
+_UNKNOWN, _MANY_ROWS = 0.1, 0.2  # of the highest speed; of the rows
+_AT_END = 0.99  # of the way from nothing to the end of what a size may be
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """What the search came to.
+
+    Parameters
+    ----------
+    problem
+        The problem in its last state.
+    spread
+        Standard deviation of the whitened noise.
+    ranked
+        Every cause alone, best first.
+    named
+        One ranking a named cause, each given those before.
+    fit
+        All named causes together.
+    before, after
+        The tests over all views.
+    """
+
+    problem: Problem
+    spread: float
+    ranked: list[Ranked]
+    named: list[list[Ranked]]
+    fit: Fit
+    before: Whole
+    after: Whole
+
+    @property
+    def explained(self) -> float:
+        """Drop of the deviance that the names bring, over the noise's spread."""
+        return self.fit.statistic / self.spread**2
+
+    @property
+    def beyond_noise(self) -> float:
+        """Deviance beyond the noise and all that is known, over the noise's spread."""
+        return self.problem.deviance / self.spread**2 - self.problem.n_rows
+
+    @property
+    def off_in_all(self) -> float:
+        """Deviance beyond the noise that the names leave in all rows, judged or not."""
+        parts = zip(self.problem.stretches, self.left_rad_s, strict=True)
+        return sum(
+            float(np.sum(((left / self.problem.noise.level_rad_s(s)) ** 2 - 1.0)[s.use]))
+            for s, left in parts
+        )
+
+    @property
+    def mostly_left(self) -> bool:
+        """Whether most of what is beyond the noise and all that is known stays unexplained.
+
+        A noise that has grown by so much that it is a finding itself is no noise here.
+        """
+        n = self.problem.n_rows
+        loud = self.spread**2 if self.spread > LOUD else 1.0
+        beyond = loud * (self.beyond_noise + n) - n
+        left = beyond - loud * self.explained
+        return left > _MOST_LEFT * max(beyond, 0.0) and left > _GROSS * n
+
+    @property
+    def patched(self) -> bool:
+        """Whether the names leave something smooth and plain that the library has no name for.
+
+        Then they are more likely near the cause than the cause: a belt with a seam looks like a
+        weight as long as the shaft turns to and fro within one turn of the belt.
+        """
+        trifle = _TRIFLE * max(self.before.excess, self.explained)
+        scatter = _SCATTER * (self.beyond_noise - self.explained)
+        return self.after.material and self.after.excess > max(trifle, scatter)
+
+    @property
+    def at_an_end(self) -> bool:
+        """Whether a size is all that it may be: what would fit is something else.
+
+        A share of all that there is has its end in itself.
+        """
+        sizes = (
+            (end - p.null, a.values[p.name] - p.null)
+            for a in self.fit.effects
+            for p in a.effect.parameters
+            for end in (p.low, p.high)
+            if not p.scanned and not (p.unit == "1" and abs(end) == 1.0)
+        )
+        return any(end != 0.0 and size / end > _AT_END for end, size in sizes)
+
+    @property
+    def on_a_grid(self) -> bool:
+        """Whether a name is fitted to where each phase falls: it says all, or by accident some."""
+        return any(applied.effect.jagged for applied in self.fit.effects)
+
+    @property
+    def leaves_more(self) -> bool:
+        """Whether the views show more of what is left than the names explain."""
+        return self.after.p_value < PLAINLY and self.after.excess > self.explained
+
+    @property
+    def left_rad_s(self) -> list[Array]:
+        """Residual of each stretch with the named causes taken out, in rad/s, shape (N,)."""
+        return self.problem.left_rad_s(self.fit.effects)
+
+
+def verdict_on(found: Found, sporadic: Sporadic | None) -> Verdict:
+    """Say whether what is named may stand.
+
+    Parameters
+    ----------
+    found
+        What the search came to.
+    sporadic
+        The cause of windows that stand alone; None for none.
+    """
+    if found.named:
+        return _on_named(found)
+    # Windows that stand alone are not the matter where most is wrong elsewhere.
+    elsewhere = max(found.before.excess, _MOSTLY * found.off_in_all)
+    if sporadic is not None and sporadic.deviance > elsewhere:
+        return "explained" if found.before.p_value > PLAINLY else "partly_explained"
+    return on_nothing_named(found)
+
+
+def left_aside(found: Found) -> list[str]:
+    """Say what is beyond chance in one part of the runs only, where nothing is named.
+
+    Parameters
+    ----------
+    found
+        What the search came to.
+
+    Returns
+    -------
+    list of str
+        One warning, or none.
+    """
+    best = found.ranked[0]
+    if best.p_value >= NO_CHANCE or best.effect.name in found.problem.known.habit_names:
+        return []
+    return [
+        f"{best.effect.name} explains more than chance leaves, but not in parts of the runs that "
+        "its fit has not seen, so it is no name; drive the plan again, or one that repeats its "
+        "passes"
+    ]
+
+
+def unmeasured(found: Found) -> list[str]:
+    """Say where the model was hardly measured.
+
+    Parameters
+    ----------
+    found
+        What the search came to.
+
+    Returns
+    -------
+    list of str
+        One warning, or none.
+    """
+    problem = found.problem
+    uses = [s.use for s in problem.stretches]
+    off_rad_s = np.concatenate(problem.unsure_rad_s(uses))[np.concatenate(uses)]
+    share = float(np.mean(off_rad_s > _UNKNOWN * problem.known.features.top_rad_s))
+    if share < _MANY_ROWS:
+        return []
+    return [
+        f"on {100.0 * share:.0f} % of the rows the model may be off by {100.0 * _UNKNOWN:.0f} % of "
+        "the highest speed and more, such as between phases that its runs did not drive: they tell "
+        "little; identify it on a run that drives them"
+    ]
+
+
+def on_nothing_named(found: Found) -> Verdict:
+    """Say whether there is something to be named.
+
+    Parameters
+    ----------
+    found
+        What the search came to.
+    """
+    if found.spread > LOUD:
+        return "unexplained"
+    whole = found.before
+    plain = whole.p_value < PLAINLY and whole.excess > _LEAST_EXCESS * whole.n_rows
+    return "unexplained" if plain else "no_discrepancy"
+
+
+def _on_named(found: Found) -> Verdict:
+    """Say whether names may stand, and whether they are all."""
+    says = verdict(found.before, found.after, found.explained)
+    if len(found.named) > _MOST_NAMED:
+        return "unexplained"
+    # Scatter is not smooth: what the views show of it is little.
+    if chancy_of(found.fit.effects) and found.leaves_more:
+        return on_nothing_named(found)
+    if found.patched or found.at_an_end or (says != "explained" and found.on_a_grid):
+        return "unexplained"
+    # Several that leave something are patches on what the library does not know.
+    if says == "unexplained" or found.mostly_left or (says != "explained" and found.named[1:]):
+        if not leaves_scatter(found.problem, found.fit.effects):
+            return "unexplained"
+        return "partly_explained"
+    return says

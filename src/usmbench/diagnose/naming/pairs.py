@@ -1,0 +1,120 @@
+"""Two causes of which neither is found alone, nor before the other.
+
+A register that drops bits sets every phase too low by half a step on average; where somebody has
+set that right by an offset, either alone would make the simulation worse. And where another offset
+adds to it, the two together pass for one, and what the steps leave for a noise that has grown. An
+offset and teeth that lean against it hold, alone, on no block that a fit has not seen; where the
+teeth lean with it, a weight is nearly the same as the two.
+"""
+
+from collections.abc import Sequence
+from itertools import product
+
+import numpy as np
+
+from usmbench.diagnose.fitting.fit import NOTHING, Fit
+from usmbench.diagnose.fitting.gain import held_out_drop
+from usmbench.diagnose.fitting.refining import refine, refine_widely
+from usmbench.diagnose.fitting.scanning import fit_effect, sharpen
+from usmbench.diagnose.naming.ranking import CLEAR, Ranked, alternatives, rank
+from usmbench.diagnose.naming.stepwise import Named, settled
+from usmbench.diagnose.naming.worth import First, earns_its_place, worth_a_name
+from usmbench.diagnose.residual.problem import Problem
+from usmbench.diagnose.residual.views import omnibus
+from usmbench.diagnose.residual.whole import doubted_test, verdict, whole_test
+from usmbench.model.effects.base import Effect
+from usmbench.model.extended import Applied
+
+
+def hidden_pair(
+    problem: Problem,
+    ranked: Sequence[Ranked],
+    effects: Sequence[Effect],
+    spread: float,
+    named: Named | None = None,
+) -> Named | None:
+    """Name two causes at once, or return None.
+
+    These are a jagged and a smooth one that act at one place, or the best one and what is best
+    beside it.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    ranked
+        Every cause alone, best first.
+    effects
+        Causes to weigh, none of them sporadic.
+    spread
+        Standard deviation of the whitened noise where nothing is named.
+    named
+        One cause that is named alone, and that neither of the two may be; None for none.
+    """
+    taken = set() if named is None else {a.effect.name for a in named.fit.effects}
+    free = [e for e in effects if e.name not in taken]
+    if len({e.name for e in free}) < 2:
+        return None
+    lead = next(r for r in ranked if r.effect.name not in taken)
+    pairs = [_led_by(problem, lead, free, spread)]
+    if named is None:
+        pairs += [
+            _fitted(problem, jagged, smooth)
+            for jagged, smooth in product(free, free)
+            if jagged.jagged and not smooth.jagged and smooth.stage == jagged.stage
+        ]
+    best = max(pairs, key=lambda fit: fit.statistic)
+    one_alone = ranked if named is None else named.rankings[0]
+    if not _explains(problem, best, spread):  # the cheapest to see comes first
+        return None
+    if not _worth_their_names(problem, best, one_alone, spread):
+        return None
+    one, other = best.effects
+    rankings = [_beside(problem, effects, spread, other), _beside(problem, effects, spread, one)]
+    for (leader, *_), wanted in zip(rankings, best.effects, strict=True):
+        if leader.effect != wanted.effect or leader.p_value >= CLEAR:
+            return None
+    return settled(problem, rankings, best)
+
+
+def _worth_their_names(
+    problem: Problem, pair: Fit, one_alone: Sequence[Ranked], spread: float
+) -> bool:
+    """Whether two causes hold on unseen blocks, and explain more than the form of one is off by."""
+    alone = refine(problem, one_alone[0].fit)
+    unseen = held_out_drop(problem, pair)
+    if not worth_a_name(problem, NOTHING, pair, unseen, First(), spread):
+        return False
+    first = First(alone.statistic / spread**2, frozenset(alternatives(one_alone)))
+    more = np.sum(unseen) > np.sum(held_out_drop(problem, alone))
+    return bool(more) and earns_its_place(problem, alone.effects, pair.effects, first, spread)
+
+
+def _explains(problem: Problem, pair: Fit, spread: float) -> bool:
+    """Whether two causes leave nothing but what their form may be off by."""
+    before = whole_test(problem, omnibus(problem), (), spread)
+    after = doubted_test(problem, pair.effects, spread)
+    return verdict(before, after, pair.statistic / spread**2) == "explained"
+
+
+def _led_by(problem: Problem, lead: Ranked, effects: Sequence[Effect], spread: float) -> Fit:
+    """Fit a cause and what is best beside it, together."""
+    first = refine(problem, lead.fit)
+    others = [e for e in effects if e.name != lead.effect.name]
+    return refine_widely(problem, rank(problem, others, spread, first)[0].fit)
+
+
+def _fitted(problem: Problem, jagged: Effect, smooth: Effect) -> Fit:
+    """Fit both: the jagged one where the smooth one's change may be anything, then together."""
+    typical = Applied(smooth, {p.name: p.null + p.typical for p in smooth.parameters})
+    free = problem.freeing([typical])
+    found = sharpen(free, fit_effect(free, jagged)).effects
+    return refine_widely(problem, fit_effect(problem, smooth, found))
+
+
+def _beside(
+    problem: Problem, effects: Sequence[Effect], spread: float, other: Applied
+) -> list[Ranked]:
+    """Weigh every cause but one beside that one."""
+    alone = Fit((other,), problem.drop([other]), 0.0)
+    return rank(problem, [e for e in effects if e.name != other.effect.name], spread, alone)

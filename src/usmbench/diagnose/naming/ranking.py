@@ -1,0 +1,162 @@
+"""Which causes to name: the library weighed against the whitened residual."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from usmbench.diagnose.fitting.fit import Fit
+from usmbench.diagnose.fitting.refining import refine
+from usmbench.diagnose.fitting.scanning import fit_effect, sharpen
+from usmbench.diagnose.naming.chance import scatters
+from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.effects.base import Effect
+
+SIGNIFICANT = 0.01  # of what is weighed further, and of single windows
+CLEAR = 0.05  # family-wise, for a name
+_REFINED = 8
+_SAME = 0.5
+TELLING = 9.2  # deviance between two causes that data can tell: 99 % of chi-squared with two
+# What else the model misses decides between causes this near, and not the cause: a share of little
+# evidence (with 0.1 a delay in a triangle came out as hysteresis alone, see
+# benchmarks/next_experiment.py), of much evidence an amount and what a form of an effect is off by.
+_SIMILAR = 0.15
+_MISFIT, _OFF = 50.0, 0.03
+_MOST_ALTERNATIVES = 5  # a name with more of them tells nothing, unless it is beyond chance
+NO_CHANCE = 1e-6  # family-wise
+_ONE_WAY = 2.0 * math.log(2.0)  # a parameter with one sign is given half the room beforehand
+
+
+@dataclass(frozen=True, slots=True)
+class Ranked:
+    """A fit and what it is worth.
+
+    Parameters
+    ----------
+    effect
+        The effect that was added last.
+    fit
+        The fit, all of its effects together.
+    statistic
+        Drop of the deviance that the last effect brings, over the noise's spread.
+    p_value
+        Family-wise probability of it where nothing is wrong; of a cause by chance whose scatter is
+        not there, of what is beyond a misfit.
+    score
+        Statistic less the price of its parameters, and of such a misfit.
+    """
+
+    effect: Effect
+    fit: Fit
+    statistic: float
+    p_value: float
+    score: float
+
+
+def rank(
+    problem: Problem, effects: Sequence[Effect], spread: float, given: Fit | None = None
+) -> list[Ranked]:
+    """Weigh every effect, the best first.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    effects
+        Testable effects that are not sporadic.
+    spread
+        Standard deviation of the whitened noise, at least 1.
+    given
+        Effects already named; None for none.
+    """
+    held = () if given is None else given.effects
+    gained = 0.0 if given is None else given.statistic
+    fits = sorted((fit_effect(problem, e, held) for e in effects), key=lambda f: -f.statistic)
+    for k, fit in enumerate(fits):
+        # To first order a size may come out far too small: a drag bends where the rotor stops.
+        if k < _REFINED or not any(p.scanned for p in fit.effects[-1].effect.parameters):
+            better = refine(problem, sharpen(problem, fit, held))
+            fits[k] = Fit(better.effects, better.statistic - gained, fit.roughness)
+    price = math.log(max(problem.n_rows, 2))
+    found = []
+    for fit in fits:
+        effect = fit.effects[-1].effect
+        statistic, misfit = max(fit.statistic, 0.0) / spread**2, 0.0
+        if effect.by_chance and not scatters(problem, fit.effects):
+            # Whatever explains about as much goes first, and chance, too.
+            misfit = max(_MISFIT, telling_deviance(statistic))
+        alone = Fit(fit.effects[-1:], statistic - misfit, fit.roughness)
+        p_value = min(1.0, alone.p_value * len(effects))
+        score = statistic - misfit - _price(effect, price)
+        found.append(Ranked(effect, fit, statistic, p_value, score))
+    return sorted(found, key=lambda r: -r.score)
+
+
+def _price(effect: Effect, each: float) -> float:
+    """Price of an effect's parameters in deviance."""
+    one_way = sum(p.one_way for p in effect.parameters)
+    return max(len(effect.parameters), 1) * each - one_way * _ONE_WAY
+
+
+def telling_deviance(evidence: float) -> float:
+    """Return the deviance that tells two causes apart.
+
+    Parameters
+    ----------
+    evidence
+        What the better of the two brings.
+    """
+    return max(TELLING, min(_SIMILAR * evidence, _MISFIT + _OFF * evidence))
+
+
+def alternatives(ranked: Sequence[Ranked]) -> tuple[str, ...]:
+    """Return the other causes that explain about as much as the best.
+
+    What explains no more than chance lets the best of a whole library is none of them.
+
+    Parameters
+    ----------
+    ranked
+        The candidates, best first.
+    """
+    best = ranked[0]
+    near = telling_deviance(best.statistic)
+    rivals = [r for r in ranked[1:] if r.p_value < 1.0]
+    names = [r.effect.name for r in rivals if best.score - r.score < near]
+    return tuple(dict.fromkeys(n for n in names if n != best.effect.name))
+
+
+def undecided(ranked: Sequence[Ranked]) -> bool:
+    """Return whether so many causes explain about as much that to name one tells nothing.
+
+    Where chance is ruled out, even a long list says what it is not.
+
+    Parameters
+    ----------
+    ranked
+        The candidates, best first.
+    """
+    return len(alternatives(ranked)) > _MOST_ALTERNATIVES and ranked[0].p_value > NO_CHANCE
+
+
+def nearest(ranked: Sequence[Ranked]) -> list[Ranked]:
+    """Return the best form of the best cause, and of each that explains about as much.
+
+    Parameters
+    ----------
+    ranked
+        The candidates, best first.
+    """
+    names = (ranked[0].effect.name, *alternatives(ranked))
+    return [next(r for r in ranked if r.effect.name == name) for name in names]
+
+
+def same_shape(ranked: Sequence[Ranked]) -> set[str]:
+    """Return the best cause and those that change the simulation just as it does.
+
+    Parameters
+    ----------
+    ranked
+        The candidates, best first.
+    """
+    best = ranked[0]
+    return {r.effect.name for r in ranked if abs(r.statistic - best.statistic) < _SAME}

@@ -1,0 +1,204 @@
+"""The noise of a free-running residual estimated, with medians and trimmed means."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.diagnose.cutting.stretches import Mask, Stretch
+from usmbench.diagnose.noise.colour import autoregression, taken_by_fit
+from usmbench.diagnose.noise.noise_model import (
+    KINDS,
+    LAGS,
+    STANDING,
+    STARTS,
+    Noise,
+    farther_out,
+    step_kind,
+)
+
+Array = NDArray[np.float64]
+
+_SIZES, _FEWEST_OF_SIZE = 4, 8
+_HIGHEST_ORDER = 6
+_BINS = 16
+_TRIMMED = 1.2  # what is left out above 97 % of a normal variable, and a little for heavier tails
+_LEAST_SHARE = 0.3  # of the middle noise level: a standing rotor shows none, yet is not exact
+_FEWEST_STARTS, _FEWEST_PAIRS, _FEWEST_QUIET = 20, 100, 50  # rows
+_QUIET_SHARE, _NO_STEP_RAD_S = 0.2, 1e-9  # of the rows of a rotor that turns
+_NORMAL = 1.4826  # standard deviation over median absolute deviation
+_CALM, _FEWEST_CALM = 0.9, 500  # of the level; rows
+_FAR = 4.0  # times the noise: what is farther out counts as that far
+
+
+def estimate_noise(
+    stretches: Sequence[Stretch],
+    residuals: Sequence[Array],
+    masks: Sequence[Mask],
+    fitted: Sequence[Array] | None = None,
+) -> Noise:
+    """Estimate the noise from residuals, with medians that spikes do not move.
+
+    Parameters
+    ----------
+    stretches
+        The stretches.
+    residuals
+        What is left on each, in rad/s.
+    masks
+        Rows that count.
+    fitted
+        Columns that were fitted to these very rows, in their standard deviations in rad/s, shape
+        (N, K) a stretch; None where the residuals are those of other runs than the fit.
+    """
+    phase_deg = np.concatenate([s.context.phase_deg for s in stretches])
+    lag = np.concatenate([s.lag for s in stretches])
+    kind = np.concatenate([step_kind(s) for s in stretches])
+    step = np.concatenate([s.step_rad_s for s in stretches])
+    use = np.concatenate(list(masks))
+    error = np.concatenate(list(residuals))
+    quiet = _quiet(stretches, use, lag, np.abs(step))
+    centres, sigma = _levels(phase_deg[quiet], error[quiet])
+    middle = float(np.median(sigma))
+    sizes, spreads = np.ones((LAGS, KINDS, _SIZES)), np.zeros((LAGS, KINDS, _SIZES))
+    for k, c in np.ndindex(LAGS, KINDS):
+        rows = use & (lag == k) & (kind == c) & (np.abs(step) > 2.0 * middle)
+        sizes[k, c], spreads[k, c] = _by_size(np.abs(step[rows]), error[rows], middle)
+    flat = Noise(
+        centres, sigma, np.empty(0), 1.0, sizes, spreads, np.zeros(len(STARTS)), np.zeros(LAGS)
+    )
+    flat = replace(flat, start_rad_s=_at_edge(stretches, residuals, masks, flat))
+    flat = replace(flat, same_again=_returning(stretches, residuals, masks, flat))
+    ar, innovation = _colour(stretches, residuals, masks, flat, fitted)
+    return replace(flat, ar=ar, innovation=innovation)
+
+
+def _quiet(stretches: Sequence[Stretch], use: Mask, lag: NDArray[np.int64], size: Array) -> Mask:
+    """Rows that show the noise alone, of a rotor that turns, too: far from steps, or after little.
+
+    Where a phase glides, the few rows at its crest, and those of a rotor at rest, say too little.
+    """
+    settled = np.concatenate([np.abs(s.settled_rad_s) for s in stretches])
+    turns = use & (settled > STANDING * float(np.max(settled, initial=0.0)))
+    n_turns = max(int(np.count_nonzero(turns)), 1)
+    far = use & ((lag >= LAGS) | (size < _NO_STEP_RAD_S))
+    if np.count_nonzero(far & turns) >= _FEWEST_QUIET:
+        return far
+    near = use & (lag >= min(2, int(lag[use].max(initial=0))))
+    if np.count_nonzero(near & turns) >= max(_FEWEST_QUIET, _QUIET_SHARE * n_turns):
+        return near
+    share = min(max(_QUIET_SHARE, _FEWEST_QUIET / n_turns), 1.0)
+    small = turns & (size <= np.quantile(size[turns], share)) if turns.any() else use
+    return np.asarray(far | near | small)
+
+
+def _levels(phase_deg: Array, error: Array) -> tuple[Array, Array]:
+    """Robust standard deviation in bins of equal numbers of rows along the phase."""
+    n_bins = int(np.clip(phase_deg.size // 60, 1, _BINS))
+    centres, sigma = [], []
+    for rows in np.array_split(np.argsort(phase_deg, kind="stable"), n_bins):
+        centres.append(float(np.mean(phase_deg[rows])))
+        sigma.append(_spread(error[rows]))
+    order = np.argsort(centres)
+    levels = np.array(sigma)[order]
+    middle = max(float(np.sqrt(np.mean(levels**2))), 1e-9)
+    return np.array(centres)[order], np.maximum(levels, _LEAST_SHARE * middle)
+
+
+def _spread(values: Array) -> float:
+    """Robust standard deviation about 0: by the median, but not below the trimmed one."""
+    size = np.abs(values)
+    trimmed = values[size <= np.quantile(size, 0.98)]
+    return max(_NORMAL * float(np.median(size)), float(np.sqrt(np.mean(trimmed**2))))
+
+
+def _by_size(size_rad_s: Array, error: Array, sigma: float) -> tuple[Array, Array]:
+    """Sizes of steps, and the residual's spread there beyond the noise's."""
+    n_bins = min(size_rad_s.size // _FEWEST_OF_SIZE, _SIZES)
+    if n_bins == 0:
+        return np.zeros(_SIZES), np.zeros(_SIZES)
+    sizes, spreads = [], []
+    for rows in np.array_split(np.argsort(size_rad_s, kind="stable"), n_bins):
+        square = error[rows] ** 2
+        kept = float(np.mean(square[square <= np.quantile(square, 0.97)]))
+        sizes.append(float(np.mean(size_rad_s[rows])))
+        spreads.append(np.sqrt(max(_TRIMMED * kept - sigma**2, 0.0)))
+    missing = _SIZES - n_bins
+    return np.pad(sizes, (missing, 0), mode="edge"), np.pad(spreads, (missing, 0), mode="edge")
+
+
+def _at_edge(
+    stretches: Sequence[Stretch], residuals: Sequence[Array], masks: Sequence[Mask], flat: Noise
+) -> Array:
+    """Residual's spread where the dead zone ends, beyond the noise's elsewhere."""
+    rows = [mask & (s.lag > 0) for s, mask in zip(stretches, masks, strict=True)]
+    share = np.concatenate([farther_out(s)[r] for s, r in zip(stretches, rows, strict=True)])
+    square = np.concatenate([e[r] ** 2 for e, r in zip(residuals, rows, strict=True)])
+    usual = np.concatenate(
+        [flat.level_rad_s(s)[r] ** 2 for s, r in zip(stretches, rows, strict=True)]
+    )
+    nodes = np.array(STARTS)
+    ends = np.r_[0.0, 0.5 * (nodes[1:] + nodes[:-1]), 1.5 * nodes[-1]]
+    spreads = np.zeros(nodes.size)
+    for k, (low, high) in enumerate(pairwise(ends)):
+        near = (share > low) & (share <= high)
+        if np.count_nonzero(near) >= _FEWEST_STARTS:
+            kept = square[near] <= np.quantile(square[near], 0.98)
+            beyond = float(np.mean(square[near][kept])) - float(np.mean(usual[near][kept]))
+            spreads[k] = np.sqrt(max(beyond, 0.0))
+    return spreads
+
+
+def _returning(
+    stretches: Sequence[Stretch], residuals: Sequence[Array], masks: Sequence[Mask], flat: Noise
+) -> Array:
+    """Correlation of the residual's parts after the same jump, by lag; 1 where none repeats."""
+    found = np.ones(LAGS)
+    for k in range(LAGS):
+        pairs, alike, even = 0, 0.0, 0.0
+        for s, error, mask in zip(stretches, residuals, masks, strict=True):
+            rows = np.flatnonzero(mask & (s.lag == k) & (s.again > 1) & (s.step_rad_s != 0.0))
+            same = s.jump[rows]
+            unit = np.clip((error / flat.level_rad_s(s))[rows], -_FAR, _FAR)
+            count, total, square = (
+                np.bincount(same, w) for w in (np.ones(rows.size), unit, unit**2)
+            )
+            pairs += int(np.sum(count * (count - 1.0)))
+            alike += float(np.sum(total**2 - square))
+            even += float(np.sum((count - 1.0) * square))
+        if pairs >= _FEWEST_PAIRS:
+            found[k] = np.clip(alike / max(even, 1e-12), 0.0, 1.0)
+    return found
+
+
+def _colour(
+    stretches: Sequence[Stretch],
+    residuals: Sequence[Array],
+    masks: Sequence[Mask],
+    flat: Noise,
+    fitted: Sequence[Array] | None,
+) -> tuple[Array, float]:
+    """Autoregression of the standardised residual, on calm rows: jitter has no colour."""
+    levels = [flat.level_rad_s(stretch) for stretch in stretches]
+    calm = [
+        mask & (flat.calm_rad_s(s) > _CALM * level)
+        for s, level, mask in zip(stretches, levels, masks, strict=True)
+    ]
+    if sum(int(np.count_nonzero(c)) for c in calm) >= _FEWEST_CALM:
+        masks = calm
+    moments = np.zeros(_HIGHEST_ORDER + 1)
+    counts = np.zeros(_HIGHEST_ORDER + 1)
+    for level, residual, mask in zip(levels, residuals, masks, strict=True):
+        unit = residual / level
+        unit = np.where(mask, np.clip(unit, -_FAR, _FAR), 0.0)
+        for k in range(_HIGHEST_ORDER + 1):
+            pairs = mask[k:] & mask[: mask.size - k]
+            moments[k] += float(unit[k:] @ unit[: unit.size - k])
+            counts[k] += np.count_nonzero(pairs)
+    left = moments / np.maximum(counts, 1.0)
+    if fitted is None:
+        return autoregression(left, counts[0])
+    rows = [f[m] / v[m, None] for f, v, m in zip(fitted, levels, masks, strict=True)]
+    return autoregression(left + taken_by_fit(rows, left, counts[0]), counts[0])

@@ -1,0 +1,181 @@
+"""The noise of a free-running residual: its size by phase, its colour, and the steps' jitter.
+
+The residual is taken as ``e_t = σ(φ) n_t + κ_kc(|s|) w_t``, k windows after a step of s in the
+settled speed, with n an autoregressive process of unit variance, w white, and c the kind of the
+step: from running to running the same way, into a stop, out of one, or through one, which is a
+reversal. κ is the moment at which a command takes effect within a window, which no free run can
+know, and grows with the step; and that at which a stopping rotor sticks or a standing one comes
+free, which hardly does. At the edge of the dead zone a rotor comes free at once or not at all:
+there κ has a part of its own, by the speed that half a degree more would give. A share of κ returns
+whenever a plan repeats a jump: it is the model's error, and no chance, and R repeats tell of it
+once.
+"""
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.diagnose.cutting.stretches import Stretch
+
+Array = NDArray[np.float64]
+
+LAGS, KINDS = 6, 4
+_REVERSAL = 3  # of the kinds
+_CORNER_DEG = 1.0
+_DISTRUST = 0.3
+STANDING = 0.02  # of the highest speed
+# From small steps nobody knows when a large one takes effect: a share of the step, 50 µs of 10 ms,
+# beyond so many times the largest quarter's mean, in these windows after it.
+_UNSEEN, _FARTHER, _AT_ONCE = 5e-3, 1.5, (0, 1)
+_BEYOND_DEG = 0.5
+STARTS = (0.0025, 0.01, 0.0225, 0.045)  # of the highest speed, reached half a degree farther out
+
+
+@dataclass(frozen=True, slots=True)
+class Noise:
+    """The noise of a bench.
+
+    Parameters
+    ----------
+    phase_deg, sigma_rad_s
+        Standard deviation σ at some phases (rising), shape (K,).
+    ar
+        Coefficients of n_t = Σ ar_i n_{t−i} + innovation, shape (p,).
+    innovation
+        Standard deviation of the innovation.
+    step_rad_s, step_spread_rad_s
+        Sizes |s| of a step (rising) and κ at these, shape (LAGS, KINDS, sizes).
+    start_rad_s
+        What the edge of the dead zone adds, shape (4,), at speeds half a degree farther out that
+        rise from a 400th to a 20th of the highest.
+    same_again
+        Correlation of what the same jump leaves another time, at each lag, shape (LAGS,).
+    """
+
+    phase_deg: Array
+    sigma_rad_s: Array
+    ar: Array
+    innovation: float
+    step_rad_s: Array
+    step_spread_rad_s: Array
+    start_rad_s: Array
+    same_again: Array
+
+    def level_rad_s(self, stretch: Stretch) -> Array:
+        """Return the standard deviation on each row of a stretch.
+
+        Parameters
+        ----------
+        stretch
+            The stretch.
+        """
+        size, kind = np.abs(stretch.step_rad_s), step_kind(stretch)
+        spread = np.zeros(size.size)
+        for k, c in np.ndindex(LAGS, KINDS):
+            rows = (stretch.lag == k) & (kind == c)
+            sizes, spreads = self.step_rad_s[k, c], self.step_spread_rad_s[k, c]
+            # A rotor that turns back stands still in between, from and to whatever speed.
+            least = spreads[0] if c == _REVERSAL else 0.0
+            nodes, values = np.r_[0.0, sizes], np.r_[least, spreads]
+            beyond = np.maximum(size[rows] / max(nodes[-1], 1e-300), 1.0)
+            spread[rows] = np.interp(size[rows], nodes, values) * beyond
+            if k in _AT_ONCE:
+                spread[rows] += _UNSEEN * np.maximum(size[rows] - _FARTHER * nodes[-1], 0.0)
+        at_edge = np.interp(
+            farther_out(stretch), (0.0, *STARTS, 2.0 * STARTS[-1]), (0.0, *self.start_rad_s, 0.0)
+        )
+        returning = self.same_again[np.minimum(stretch.lag, LAGS - 1)] * (stretch.again - 1)
+        erring = (spread**2 + at_edge**2) * (1.0 + returning)
+        calm = self.calm_rad_s(stretch)
+        unsure = bend_rad_s(stretch) ** 2 + stretch.moment_rad_s**2
+        level: Array = np.sqrt(calm**2 + erring + unsure)
+        return level
+
+    def calm_rad_s(self, stretch: Stretch) -> Array:
+        """Return the standard deviation on each row far from steps and edges, σ(φ).
+
+        Parameters
+        ----------
+        stretch
+            The stretch.
+        """
+        sigma = np.interp(stretch.context.phase_deg, self.phase_deg, self.sigma_rad_s)
+        return np.asarray(sigma, dtype=np.float64)
+
+    def to_mapping(self) -> dict[str, Any]:
+        """Return what the model file keeps."""
+        return {
+            "phase_deg": self.phase_deg.tolist(),
+            "sigma_rad_s": self.sigma_rad_s.tolist(),
+            "ar": self.ar.tolist(),
+            "innovation": self.innovation,
+            "step_rad_s": self.step_rad_s.tolist(),
+            "step_spread_rad_s": self.step_spread_rad_s.tolist(),
+            "start_rad_s": self.start_rad_s.tolist(),
+            "same_again": self.same_again.tolist(),
+        }
+
+
+def noise_from_mapping(content: dict[str, Any]) -> Noise:
+    """Return the noise that a model file keeps.
+
+    Parameters
+    ----------
+    content
+        As `Noise.to_mapping` returns it.
+
+    Raises
+    ------
+    KeyError
+        A key is missing.
+    """
+    names = [field.name for field in fields(Noise) if field.name != "innovation"]
+    arrays = {name: np.array(content[name], dtype=np.float64) for name in names}
+    return Noise(innovation=float(content["innovation"]), **arrays)
+
+
+def bend_rad_s(stretch: Stretch) -> Array:
+    """Return how little the curve can be trusted where it bends sharply: where the motor starts.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    curve, phase_deg = stretch.context.settled_rad_s, stretch.context.phase_deg
+    around = curve(phase_deg - _CORNER_DEG) + curve(phase_deg + _CORNER_DEG)
+    # Of the curve alone: a habit that takes speed is no bend.
+    bend: Array = _DISTRUST * np.abs(around - 2.0 * curve(phase_deg))
+    return bend
+
+
+def farther_out(stretch: Stretch) -> Array:
+    """Return the speed half a degree farther from 0, as a share of the stretch's highest, (N,).
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    context = stretch.context
+    beyond_deg = context.phase_deg + np.copysign(_BEYOND_DEG, context.phase_deg)
+    top_rad_s = float(np.max(np.abs(stretch.settled_rad_s), initial=0.0))
+    share: Array = np.abs(context.settled_rad_s(beyond_deg)) / max(top_rad_s, 1e-12)
+    return share
+
+
+def step_kind(stretch: Stretch) -> NDArray[np.int64]:
+    """Return the kind of each row's last step: 0 runs on, 1 into a stop, 2 out of it, 3 through it.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    after = stretch.settled_rad_s
+    before = after - stretch.step_rad_s
+    least = STANDING * float(np.max(np.abs(after), initial=0.0))
+    stopped, stood = np.abs(after) <= least, np.abs(before) <= least
+    return np.select([stopped, stood, before * after < 0.0], [1, 2, 3], 0)

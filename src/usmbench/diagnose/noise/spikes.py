@@ -1,0 +1,240 @@
+"""Isolated windows far from their neighbours: miscounts, and rows that must not sway a fit."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
+
+from usmbench.diagnose.cutting.stretches import Mask, Stretch
+from usmbench.diagnose.noise.noise_model import LAGS, Noise, step_kind
+
+Array = NDArray[np.float64]
+
+_RUNNING = 0.1  # of the highest speed
+_GENTLE = 0.1  # the same, a window: a command that glides
+# Windows until the noise says how sure the speed of a rotor is that turns on, or starts and stops.
+_SETTLING, _STARTING = 2, 3
+_PARTS = 8  # of the speeds, from slow to fast
+_MOST_ALONE, _MOST_IN_PART = 0.1, 0.25  # more is no exception
+_AROUND = 3  # windows: with the one before and the one after
+_BESIDE, _AS_OTHERS = 11, 0.5  # windows; of what a window is off by
+_DIGITS, _WHOLE = 6, 0.02  # of a speed in rad/s; counts: how far from a whole one
+PLAIN = 7.0  # so far that only a miscount remains
+FAR = 6.0  # standard deviations: once in 5·10⁸ windows of normal noise
+
+
+def spiked(
+    stretches: Sequence[Stretch],
+    residuals: Sequence[Array],
+    noise: Noise,
+    *,
+    near_steps: bool,
+    times: float = FAR,
+) -> list[Mask]:
+    """Return the windows whose residual stands alone.
+
+    Parameters
+    ----------
+    stretches
+        The stretches.
+    residuals
+        Residual of each.
+    noise
+        The noise in force.
+    near_steps
+        Whether windows shortly after a step may be called; before a delay or a lag is ruled out
+        they may not, both leave single windows there.
+    times
+        Standard deviations from the neighbours.
+    """
+    return [
+        _alone(residual, times * noise.level_rad_s(s)) & (near_steps | _far_from_step(s, noise))
+        for s, residual in zip(stretches, residuals, strict=True)
+    ]
+
+
+def steady(stretch: Stretch) -> Mask:
+    """Return the rows on which nothing but the counter can make a window stand alone.
+
+    Parameters
+    ----------
+    stretch
+        The stretch. A rotor that starts or stops does so at a moment of its own.
+    """
+    settled = np.abs(stretch.settled_rad_s)
+    top_rad_s = float(np.max(settled, initial=0.0))
+    gently = (np.abs(stretch.step_rad_s) < _GENTLE * top_rad_s) | (stretch.lag >= _SETTLING)
+    on: Mask = stretch.use & (settled > _RUNNING * top_rad_s)
+    calm: Mask = on & (gently & (step_kind(stretch) == 0) | (stretch.lag >= _STARTING))
+    return calm
+
+
+def moved_rad_s(stretch: Stretch) -> Array:
+    """Return how far a motor that comes a little sooner or later may be off in a window, (N,).
+
+    By what the speed changes by around the window, and by a rotor that creeps or stands.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    speed = stretch.simulated_rad_s
+    around = maximum_filter1d(speed, _AROUND) - minimum_filter1d(speed, _AROUND)
+    top_rad_s = float(np.max(np.abs(stretch.settled_rad_s), initial=0.0))
+    return np.asarray(np.maximum(around, _RUNNING * top_rad_s))
+
+
+def whole_count_rad_s(stretch: Stretch) -> float:
+    """Return the speed of one count a window where all speeds are whole counts, else next to 0.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    speeds = np.unique(np.round(np.abs(stretch.speed_rad_s), _DIGITS))
+    count_rad_s = stretch.context.count_rad_s or float(np.min(np.diff(speeds), initial=np.inf))
+    off = speeds / count_rad_s
+    return count_rad_s if np.all(np.abs(off - np.rint(off)) < _WHOLE) else 0.0
+
+
+def count_steady(stretches: Sequence[Stretch], far: Sequence[Mask]) -> tuple[int, int]:
+    """Return how many steady windows stand alone, and how many there are.
+
+    Parameters
+    ----------
+    stretches
+        The stretches.
+    far
+        Windows that stand alone.
+    """
+    rows = [steady(s) for s in stretches]
+    hit = sum(int(np.count_nonzero(f & r)) for f, r in zip(far, rows, strict=True))
+    return hit, sum(int(np.count_nonzero(r)) for r in rows)
+
+
+def are_exceptions(
+    stretches: Sequence[Stretch],
+    residuals: Sequence[Array],
+    alone: Sequence[Mask],
+    calm: Sequence[Mask],
+) -> bool:
+    """Return whether nothing but chance decides which calm windows stand alone.
+
+    They are few at every speed, and those at like phases are not off as they are.
+
+    Parameters
+    ----------
+    stretches
+        The stretches.
+    residuals
+        Residual of each, in rad/s, shape (N,).
+    alone
+        The windows of each that stand alone, shape (N,).
+    calm
+        Rows of each to look at, shape (N,).
+    """
+    far, off, speed, phase = (
+        _joined(columns, calm)
+        for columns in (
+            alone,
+            residuals,
+            [np.abs(s.simulated_rad_s) for s in stretches],
+            [s.context.phase_deg for s in stretches],
+        )
+    )
+    if np.mean(far) > _MOST_ALONE:
+        return False
+    parts = np.array_split(far[np.argsort(speed, kind="stable")], _PARTS)
+    if max(float(np.mean(part)) for part in parts if part.size) > _MOST_IN_PART:
+        return False
+    return not hang_together(off, far, np.argsort(phase, kind="stable"))
+
+
+def off_steps(
+    stretches: Sequence[Stretch], residuals: Sequence[Array], alone: Sequence[Mask]
+) -> list[Mask]:
+    """Leave out the windows after steps where most are off as those after like steps are.
+
+    A delay in a staircase leaves windows that stand alone, and they are no exceptions.
+
+    Parameters
+    ----------
+    stretches
+        The stretches.
+    residuals
+        Residual of each, in rad/s, shape (N,).
+    alone
+        The windows of each that stand alone, shape (N,).
+    """
+    after = [s.use & (s.lag < LAGS) for s in stretches]
+    off, far, lag, step = (
+        _joined(columns, after)
+        for columns in (
+            residuals,
+            alone,
+            [s.lag for s in stretches],
+            [s.step_rad_s for s in stretches],
+        )
+    )
+    if not hang_together(off, far, np.lexsort((step, lag))):
+        return list(alone)
+    return [mask & ~a for mask, a in zip(alone, after, strict=True)]
+
+
+def _joined(columns: Sequence[NDArray[Any]], rows: Sequence[Mask]) -> NDArray[Any]:
+    """Return some rows of every stretch, end to end, shape (sum of rows,)."""
+    return np.concatenate([column[r] for column, r in zip(columns, rows, strict=True)])
+
+
+def hang_together(off_rad_s: Array, alone: Mask, order: NDArray[np.intp]) -> bool:
+    """Return whether most windows that stand alone are off as those beside them: no chance.
+
+    Parameters
+    ----------
+    off_rad_s
+        By what each window is off, shape (N,).
+    alone
+        Which windows stand alone, shape (N,).
+    order
+        The windows in an order that puts like ones beside each other, shape (N,).
+    """
+    off, far = off_rad_s[order], alone[order]
+    if not far.any():
+        return False
+    alike = median_filter(off, _BESIDE) * off > _AS_OTHERS * off**2
+    return bool(np.mean(alike[far]) > 0.5)
+
+
+def apart(residual_rad_s: Array) -> tuple[Array, Array]:
+    """Return how far each row is from the three before and from the three after, in rad/s, (N,).
+
+    Parameters
+    ----------
+    residual_rad_s
+        The residual, shape (N,).
+    """
+    padded = np.pad(residual_rad_s, 3, mode="edge")
+    middle = np.median(sliding_window_view(padded, 3), axis=1)
+    return residual_rad_s - middle[: residual_rad_s.size], residual_rad_s - middle[4:]
+
+
+def _alone(residual: Array, least: Array) -> Mask:
+    """Rows far from those before and those after, and on one side of both, up to two in a row.
+
+    A gain that is off leaves another error after a reversal than before it, and no spike.
+    """
+    before, after = apart(residual)
+    away = np.minimum(np.abs(before), np.abs(after))
+    return np.asarray((away > least) & (before * after > 0.0), dtype=np.bool_)
+
+
+def _far_from_step(stretch: Stretch, noise: Noise) -> Mask:
+    """Rows on which no step of any size can still act."""
+    level = noise.level_rad_s(stretch)
+    far: Mask = (stretch.lag >= 2 * LAGS) | (np.abs(stretch.step_rad_s) < level)
+    return far

@@ -1,0 +1,1 @@
+"""The residual, whitened given all that is known, and its views."""

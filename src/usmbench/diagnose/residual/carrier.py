@@ -1,0 +1,79 @@
+"""Carry a residual as the vector whose square is its deviance, given what is no news.
+
+With the noise whitened to 1, ``eᵀ C⁻¹ e = min_β |e − Uβ|² + |β|²`` (U with its deviations in it),
+so a residual is carried as ``[e − Uβ̂; β̂]``.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from usmbench.diagnose.cutting.stretches import Mask
+
+Array = NDArray[np.float64]
+
+_HIDDEN = 0.05  # share of the noise's variance below which a shape's own does not count
+
+
+@dataclass(frozen=True, slots=True)
+class Carrier:
+    """The rows that count, and on them what is no news, as far as it exceeds the noise.
+
+    Parameters
+    ----------
+    whitening
+        Whitens all rows and keeps those that count, shape (R, N).
+    background
+        Whitened shapes on these, shape (R, S).
+    ways
+        In which ways they may differ, shape (S, K).
+    tension
+        UᵀU + 1, which is diagonal, shape (K,).
+    """
+
+    whitening: csr_array
+    background: csr_array
+    ways: Array
+    tension: Array
+
+    @classmethod
+    def of(cls, filter_: csr_array, background: csr_array, rows: Mask, root: Array) -> "Carrier":
+        """Return the carrier of some rows.
+
+        Parameters
+        ----------
+        filter_
+            Whitens all rows, shape (N, N).
+        background
+            Whitened shapes on all rows, shape (N, S).
+        rows
+            Those that count, shape (N,).
+        root
+            Square root of the shapes' covariance, shape (S, L).
+        """
+        whitening, judged = filter_[rows], background[rows]
+        alike = (judged.T @ judged).toarray()
+        power, ways = np.linalg.eigh(root.T @ alike @ root)
+        shown = power > _HIDDEN
+        return cls(whitening, judged, root @ ways[:, shown], 1.0 + power[shown])
+
+    def carried(self, signal: Array) -> Array:
+        """Return a residual as the vector whose square is its deviance.
+
+        Parameters
+        ----------
+        signal
+            The residual on all rows, in rad/s, shape (N,), or (N, M) for M of them at once.
+
+        Returns
+        -------
+        Array
+            Shape (R + K,) or (R + K, M).
+        """
+        white = np.asarray(self.whitening @ signal)
+        shaped = np.asarray(self.background.T @ white)
+        beta = ((self.ways.T @ shaped).T / self.tension).T
+        carried: Array = np.concatenate([white - self.background @ (self.ways @ beta), beta])
+        return carried

@@ -1,0 +1,299 @@
+"""The whitened problem: how far a simulation is from the measurement, given all that is known.
+
+The residual's covariance is ``C = noise + Σ τ² u uᵀ``, where each column u is something that may
+differ without being news: the curve's own error, the steps' mean jitter, gain and friction of the
+run. U is kept as shapes, mostly zeros, and the ways in which they may differ together, which are
+not.
+"""
+
+from collections.abc import Sequence
+from copy import copy
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import block_diag as dense_blocks
+from scipy.sparse import block_diag, csr_array, diags_array, hstack
+
+from usmbench.diagnose.cutting.stretches import Mask, Stretch
+from usmbench.diagnose.known.knowledge import Knowledge
+from usmbench.diagnose.noise.noise_model import Noise
+from usmbench.diagnose.noise.whitening import memory_rows, whitening
+from usmbench.diagnose.residual.carrier import Carrier
+from usmbench.diagnose.residual.form import ROUGHLY, off_in_form
+from usmbench.diagnose.residual.free_runs import FreeRuns
+from usmbench.model.effects.base import PHYSICS
+from usmbench.model.extended import Applied, at_shaft_angle
+
+Array = NDArray[np.float64]
+
+_ANY = 1e3  # typical sizes
+
+
+class Problem:
+    """Stretches, their noise and what is known, ready to weigh residuals.
+
+    Parameters
+    ----------
+    stretches
+        The runs.
+    known
+        What is known beforehand.
+    noise
+        The noise in force.
+    masks
+        Rows of each stretch that count.
+    own
+        The model's own effects.
+    """
+
+    def __init__(
+        self,
+        stretches: Sequence[Stretch],
+        known: Knowledge,
+        noise: Noise,
+        masks: Sequence[Mask],
+        own: Sequence[Applied] = (),
+    ):
+        self.stretches = tuple(stretches)
+        self.known = known
+        self.own = tuple(own)
+        self._runs = FreeRuns(self.stretches)
+        expected = [known.expected_rad_s(s) for s in self.stretches]
+        self.residual_rad_s = [
+            s.residual_rad_s - e for s, e in zip(self.stretches, expected, strict=True)
+        ]
+        shapes, self._root = known.background(self.stretches)
+        self._shapes = csr_array(np.concatenate(shapes))
+        self._weigh(noise, None)
+        self._judge(masks)
+
+    @property
+    def n_rows(self) -> int:
+        """Rows that count."""
+        return sum(int(np.count_nonzero(valid)) for valid in self._valid)
+
+    @property
+    def valid(self) -> tuple[Mask, ...]:
+        """Rows of each stretch that count, and whose past counts."""
+        return tuple(self._valid)
+
+    def weighed(
+        self, noise: Noise, masks: Sequence[Mask], weights: Sequence[Array] | None = None
+    ) -> "Problem":
+        """Return the same runs by another noise.
+
+        Parameters
+        ----------
+        noise
+            The noise.
+        masks
+            Rows of each stretch that count.
+        weights
+            Factor on each whitened row of each stretch; None for 1.
+        """
+        other = copy(self)
+        other._weigh(noise, weights)
+        other._judge(masks)
+        return other
+
+    def with_masks(self, masks: Sequence[Mask]) -> "Problem":
+        """Return the same problem on other rows.
+
+        Parameters
+        ----------
+        masks
+            Rows of each stretch that count.
+        """
+        other = copy(self)
+        other._judge(masks)
+        return other
+
+    def doubting(self, effects: Sequence[Applied], form_off: float = PHYSICS) -> "Problem":
+        """Return the same problem where the form of effects may be off.
+
+        Parameters
+        ----------
+        effects
+            The effects.
+        form_off
+            By which share of themselves.
+        """
+        changes = self.change_rad_s(effects)
+        off = [off_in_form(s, c, form_off) for s, c in zip(self.stretches, changes, strict=True)]
+        level = np.concatenate([self.noise.level_rad_s(s) for s in self.stretches])
+        kept = 1.0 / np.hypot(1.0, ROUGHLY * np.concatenate(changes) / level)
+        return self._also(np.concatenate(off), 1.0, csr_array(diags_array(kept) @ self._filter))
+
+    def freeing(self, effects: Sequence[Applied]) -> "Problem":
+        """Return the same problem where effects may be there by any size.
+
+        Parameters
+        ----------
+        effects
+            The effects, of a typical size.
+        """
+        return self._also(np.concatenate(self.change_rad_s(effects))[:, None], _ANY, self._filter)
+
+    def showing(self, effects: Sequence[Applied]) -> "Problem":
+        """Return the same problem of a motor that shows effects.
+
+        What changes the speed by a share, as another gain and a warm motor do, changes what effects
+        make of it by as much.
+
+        Parameters
+        ----------
+        effects
+            The effects.
+        """
+        changes = self.change_rad_s(effects)
+        shown = [
+            replace(s, simulated_rad_s=s.simulated_rad_s + c)
+            for s, c in zip(self.stretches, changes, strict=True)
+        ]
+        return self._leaving(shown)
+
+    def turned(self, effects: Sequence[Applied]) -> "Problem":
+        """Return the same problem with the angle that the shaft has where effects lose counts.
+
+        Parameters
+        ----------
+        effects
+            The effects.
+        """
+        every = (*self.own, *effects)
+        other = copy(self)
+        other.stretches = tuple(
+            replace(s, context=at_shaft_angle(every, s.simulated_rad_s, s.context))
+            for s in self.stretches
+        )
+        other._runs = FreeRuns(other.stretches)
+        return other._leaving(other.stretches)
+
+    def measuring(self, residual_rad_s: Sequence[Array]) -> "Problem":
+        """Return the same problem of a motor that leaves another residual.
+
+        Parameters
+        ----------
+        residual_rad_s
+            Beyond what it is known to leave, by stretch, shape (N,) each.
+        """
+        other = copy(self)
+        other.residual_rad_s = list(residual_rad_s)
+        other._take_residual()
+        return other
+
+    def change_rad_s(self, effects: Sequence[Applied]) -> list[Array]:
+        """Return what effects change in the free run, by stretch.
+
+        Parameters
+        ----------
+        effects
+            The effects, beyond the model's own.
+        """
+        extended = self._runs.speed_rad_s((*self.own, *effects))
+        return [e - s.simulated_rad_s for e, s in zip(extended, self.stretches, strict=True)]
+
+    def left_rad_s(self, effects: Sequence[Applied]) -> list[Array]:
+        """Return the residual of each stretch with effects taken out, in rad/s, shape (N,).
+
+        Parameters
+        ----------
+        effects
+            The effects, beyond the model's own; none leaves the residual as it is.
+        """
+        if not effects:
+            return self.residual_rad_s
+        changes = self.change_rad_s(effects)
+        return [r - c for r, c in zip(self.residual_rad_s, changes, strict=True)]
+
+    def left(self, effects: Sequence[Applied]) -> Array:
+        """Return the carried residual with effects taken out, shape (M,).
+
+        Parameters
+        ----------
+        effects
+            The effects, beyond the model's own; none leaves the residual as it is.
+        """
+        return self.carried(self.left_rad_s(effects)) if effects else self.residual
+
+    def unsure_rad_s(self, rows: Sequence[Mask]) -> list[Array]:
+        """Return how far off a residual may be by what is no news, by stretch, shape (N,).
+
+        Parameters
+        ----------
+        rows
+            Rows of each stretch that are asked for; the others get 0.
+        """
+        asked = np.concatenate(rows)
+        unsure = np.zeros(asked.size)
+        unsure[asked] = np.linalg.norm(np.asarray(self._shapes[asked] @ self._root), axis=1)
+        return np.split(unsure, np.cumsum([mask.size for mask in rows])[:-1])
+
+    def drop(self, effects: Sequence[Applied]) -> float:
+        """Return by how much effects lower the deviance.
+
+        Parameters
+        ----------
+        effects
+            The effects, beyond the model's own.
+        """
+        left = self.left(effects)
+        return self.deviance - float(left @ left)
+
+    def carried(self, signal: Sequence[Array]) -> Array:
+        """Return a residual as the vector whose square is its deviance, shape (M,) or (M, K).
+
+        Parameters
+        ----------
+        signal
+            The residual of each stretch, in rad/s, shape (N,), or (N, K) for K of them at once.
+        """
+        return self._carrier.carried(np.concatenate(signal))
+
+    def _also(self, shapes: Array, deviation: float, filter_: csr_array) -> "Problem":
+        """Return the same problem with further shapes of one standard deviation."""
+        root = dense_blocks(self._root, deviation * np.eye(shapes.shape[1]))
+        return self._altered(csr_array(hstack([self._shapes, csr_array(shapes)])), root, filter_)
+
+    def _leaving(self, stretches: Sequence[Stretch]) -> "Problem":
+        """Return the same problem with what is no news as these runs show it."""
+        shapes, root = self.known.background(stretches)
+        return self._altered(csr_array(np.concatenate(shapes)), root, self._filter)
+
+    def _altered(self, shapes: csr_array, root: Array, filter_: csr_array) -> "Problem":
+        """Return the same runs with other shapes that are no news, and other weights."""
+        other = copy(self)
+        other._shapes, other._root, other._filter = shapes, root, filter_
+        other._background = filter_ @ shapes
+        other._judge(self.masks)
+        return other
+
+    def _weigh(self, noise: Noise, weights: Sequence[Array] | None) -> None:
+        """Take the noise, and what is no news beside it."""
+        self.noise = noise
+        self._filter = csr_array(block_diag([whitening(noise, s) for s in self.stretches]))
+        if weights is not None:
+            self._filter = csr_array(diags_array(np.concatenate(weights)) @ self._filter)
+        self._background = self._filter @ self._shapes
+
+    def _judge(self, masks: Sequence[Mask]) -> None:
+        """Take the rows that count, and on them what is no news, as far as it exceeds the noise."""
+        self.masks = tuple(masks)
+        self._valid = [self._whole(mask) for mask in self.masks]
+        rows = np.concatenate(self._valid)
+        self._carrier = Carrier.of(self._filter, self._background, rows, self._root)
+        self._take_residual()
+
+    def _take_residual(self) -> None:
+        """Carry the residual."""
+        self.residual = self.carried(self.residual_rad_s)
+        self.deviance = float(self.residual @ self.residual)
+
+    def _whole(self, mask: Mask) -> Mask:
+        """Rows that count, and whose predecessors in the noise's memory count."""
+        whole = mask.copy()
+        for k in range(1, memory_rows(self.noise) + 1):
+            whole[k:] &= mask[:-k]
+            whole[:k] = False
+        return whole

@@ -1,0 +1,93 @@
+"""What the views together show of a residual, and what its share says of a name."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from scipy.stats import chi2
+
+from usmbench.diagnose.residual.basis import Basis
+from usmbench.diagnose.residual.problem import Problem
+from usmbench.diagnose.residual.views import omnibus
+from usmbench.diagnose.result import Verdict
+from usmbench.model.extended import Applied
+
+PLAINLY = 1e-3  # that the views together show something
+_MATERIAL = 0.1  # of the noise's mean square
+_LEFT_EXPLAINED = 0.08
+_LEFT_PARTLY = 0.4
+
+
+@dataclass(frozen=True, slots=True)
+class Whole:
+    """The test over all views of what a residual holds.
+
+    Parameters
+    ----------
+    excess
+        Square of the residual's part in the views, beyond what noise leaves there.
+    p_value
+        Probability of as much where nothing is wrong.
+    n_rows
+        Rows that it was taken over.
+    """
+
+    excess: float
+    p_value: float
+    n_rows: int
+
+    @property
+    def material(self) -> bool:
+        """Whether there is more than a trifle."""
+        return self.p_value < PLAINLY and self.excess > _MATERIAL * self.n_rows
+
+
+def whole_test(problem: Problem, basis: Basis, effects: Sequence[Applied], spread: float) -> Whole:
+    """Test a residual against all views together.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    basis
+        Directions to look in.
+    effects
+        The effects to take out first.
+    spread
+        Standard deviation of the whitened noise.
+    """
+    rank_ = basis.vectors.shape[1]
+    square = basis.square(problem.left(effects)) / spread**2
+    excess, p_value = max(square - rank_, 0.0), float(chi2.sf(square, rank_))
+    return Whole(excess, p_value, problem.n_rows)
+
+
+def doubted_test(problem: Problem, effects: Sequence[Applied], spread: float) -> Whole:
+    """Test what effects leave against all views together, where their form may be off.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    effects
+        The effects to take out first.
+    spread
+        Standard deviation of the whitened noise.
+    """
+    doubting = problem.doubting(effects)
+    return whole_test(doubting, omnibus(doubting), effects, spread)
+
+
+def verdict(before: Whole, after: Whole, statistic: float) -> Verdict:
+    """Return the verdict on named causes.
+
+    Parameters
+    ----------
+    before, after
+        The test over all views without and with the causes.
+    statistic
+        Drop of the deviance that they bring.
+    """
+    share = after.excess / max(before.excess, statistic, 1e-12)
+    if after.p_value > PLAINLY or share < _LEFT_EXPLAINED:
+        return "explained"
+    return "unexplained" if share > _LEFT_PARTLY and after.material else "partly_explained"

@@ -1,0 +1,64 @@
+"""Two runs of one disc that begin at other angles."""
+
+import numpy as np
+import pytest
+
+from known_motor import applied, identified, measured
+from usmbench.diagnose.cutting.cut_runs import cut_runs
+from usmbench.diagnose.cutting.one_angle import at_one_angle
+from usmbench.diagnose.pipeline import diagnose
+from usmbench.model.hammerstein import HammersteinModel
+from usmbench.runs.record import Record
+
+
+@pytest.fixture(scope="module")
+def model() -> HammersteinModel:
+    return identified()
+
+
+def _eccentric(seed: int, share: float, phase_rad: float) -> Record:
+    cosine, sine = share * np.cos(phase_rad), share * np.sin(phase_rad)
+    return measured(seed, applied("encoder_eccentricity", "", cosine=cosine, sine=sine))
+
+
+@pytest.mark.parametrize("apart_rad", [1.2, 3.1, -2.0])
+def test_a_disc_is_named_from_runs_that_begin_at_other_angles(
+    model: HammersteinModel, apart_rad: float
+) -> None:
+    runs = [_eccentric(3, 0.012, 0.4), _eccentric(4, 0.012, 0.4 + apart_rad)]
+    found = diagnose(runs, model)
+    (cause,) = found.causes
+    assert cause.name == "encoder_eccentricity"
+    cosine, sine = (parameter.value for parameter in cause.parameters)
+    assert np.hypot(cosine, sine) == pytest.approx(0.012, rel=0.1)
+    assert any("begins anew in each run" in warning for warning in found.warnings)
+
+
+def test_an_extended_model_knows_its_ripple_in_a_run_that_begins_elsewhere(
+    model: HammersteinModel,
+) -> None:
+    extended = diagnose([_eccentric(3, 0.012, 0.4)], model).extended
+    again = diagnose([_eccentric(5, 0.012, 2.9)], extended)
+    assert again.verdict == "no_discrepancy"
+    assert any("begins elsewhere" in warning for warning in again.warnings)
+    larger = diagnose([_eccentric(6, 0.02, 1.0)], extended)
+    assert [cause.name for cause in larger.causes] == ["encoder_eccentricity"]
+
+
+def test_what_another_effect_leaves_is_no_ripple(model: HammersteinModel) -> None:
+    slow = applied("slow_dynamics", "", added_s=0.02)
+    for seed in range(3, 9):
+        stretches, _ = cut_runs([measured(seed, slow), measured(seed + 10, slow)], model, ())
+        assert at_one_angle(stretches)[1] == []
+
+
+@pytest.mark.parametrize("shares", [(0.0, 0.0), (0.012, 0.0), (0.012, 0.04)])
+def test_runs_without_a_ripple_or_of_different_discs_stay_as_they_are(
+    model: HammersteinModel, shares: tuple[float, float]
+) -> None:
+    runs = [_eccentric(seed, share, seed) for seed, share in enumerate(shares, start=3)]
+    stretches, _ = cut_runs(runs, model, ())
+    turned, warnings = at_one_angle(stretches)
+    assert warnings == []
+    for before, after in zip(stretches, turned, strict=True):
+        assert after.context is before.context

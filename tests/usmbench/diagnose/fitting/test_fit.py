@@ -1,0 +1,30 @@
+"""What a statistic is worth where nothing is wrong."""
+
+import numpy as np
+import pytest
+from scipy.stats import chi2
+
+from usmbench.diagnose.fitting.fit import Fit
+from usmbench.model.effects.registry import find_effect
+from usmbench.model.extended import Applied
+
+
+@pytest.mark.parametrize(
+    ("name", "form", "sides"),
+    [("phase_offset", "", 1.0), ("generator_imbalance", "along the resonance", 0.5)],
+    ids=["either way", "one way"],
+)
+def test_chance_takes_a_statistic_as_often_as_its_p_value_says(
+    name: str, form: str, sides: float
+) -> None:
+    effect = find_effect(name, form)
+    (parameter,) = effect.parameters
+    assert parameter.one_way == (sides < 1.0)
+    slopes = np.random.default_rng(1).standard_normal(1_000_000)
+    statistics = np.where((slopes > 0.0) | (sides == 1.0), slopes**2, 0.0)
+    applied = Applied(effect, {parameter.name: parameter.null})
+    for level in (1.0, 3.0, 6.0):
+        p_value = Fit((applied,), level, 0.0).p_value
+        assert p_value == pytest.approx(sides * chi2.sf(level, 1))
+        assert np.mean(statistics > level) == pytest.approx(p_value, rel=0.03)
+    assert Fit((applied,), 0.0, 0.0).p_value == 1.0

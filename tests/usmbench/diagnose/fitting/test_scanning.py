@@ -1,0 +1,110 @@
+"""Steps of the phase that a scan would miss."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from usmbench.diagnose.cutting.cut_runs import cut_runs
+from usmbench.diagnose.fitting.fit import Fit
+from usmbench.diagnose.fitting.scanning import fit_effect
+from usmbench.diagnose.known.knowledge import knowledge_of
+from usmbench.diagnose.noise.noise_estimate import estimate_noise
+from usmbench.diagnose.pipeline import diagnose
+from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.effects.base import Context
+from usmbench.model.effects.first_order import first_order
+from usmbench.model.effects.registry import find_effect, library
+from usmbench.model.extended import Applied, extended_run
+from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
+from usmbench.runs.record import Record
+
+WINDOW_S, NOISE_RAD_S = 0.01, 0.02
+CURVE = StaticCurve(
+    np.array([-90.0, -60, -30, -15, -8, -3, 3, 8, 15, 30, 60, 90]),
+    np.array([-10.3, -10.1, -8, 0, 0, 0, 0, 0, 0, 8, 10.2, 10.4]),
+)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_step_between_two_of_the_grid_is_found_among_random_phases(seed: int) -> None:
+    draw = np.random.default_rng([seed, 8])
+    effect = find_effect("phase_quantisation", ("rounded", "cut off")[seed % 2])
+    point = OperatingPoint(None, None, CURVE, (-90.0, 90.0), (-15.0, 15.0), NOISE_RAD_S)
+    model = HammersteinModel(first_order(0.0035, 0.0, WINDOW_S), (point,), "fast")
+    phase_deg = np.repeat(draw.uniform(-88.0, 88.0, 300), 5)
+    t_s = WINDOW_S * np.arange(1.0, phase_deg.size + 1.0)
+    context = Context(t_s, WINDOW_S, phase_deg, CURVE.speed_rad_s, model.linear)
+    # As far from both neighbours as a step can be.
+    grid_deg = effect.grid([context])["step_deg"]
+    k = int(draw.choice(np.flatnonzero((grid_deg > 0.8) & (grid_deg < 6.0))))
+    step_deg = float(0.5 * (grid_deg[k] + grid_deg[k + 1]))
+    hidden = Applied(effect, {"step_deg": step_deg})
+    noise_rad_s = NOISE_RAD_S * draw.standard_normal(t_s.size)
+    speed_rad_s = extended_run([hidden], context).speed_rad_s + noise_rad_s
+    record = Record("run", t_s, phase_deg, speed_rad_s, np.full(t_s.size, WINDOW_S))
+    (cause,) = diagnose([record], model).causes
+    assert (cause.name, cause.form) == ("phase_quantisation", effect.form)
+    assert cause.parameters[0].value == pytest.approx(step_deg, rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["transport_delay", "phase_quantisation", "coupling_backlash"])
+def test_a_scan_beside_a_cause_that_changes_little_ends_where_one_through_all_does(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    draw = np.random.default_rng(11)
+    point = OperatingPoint(None, None, CURVE, (-90.0, 90.0), (-15.0, 15.0), NOISE_RAD_S)
+    model = HammersteinModel(first_order(0.0035, 0.0, WINDOW_S), (point,), "fast")
+    phase_deg = np.repeat(draw.uniform(-88.0, 88.0, 200), 5)
+    t_s = WINDOW_S * np.arange(1.0, phase_deg.size + 1.0)
+    context = Context(t_s, WINDOW_S, phase_deg, CURVE.speed_rad_s, model.linear)
+    beside = (Applied(find_effect("gain_asymmetry", "balanced"), {"asymmetry": 0.05}),)
+    hidden = Applied(find_effect("phase_quantisation", "rounded"), {"step_deg": 5.3})
+    speed_rad_s = extended_run([*beside, hidden], context).speed_rad_s
+    speed_rad_s += NOISE_RAD_S * draw.standard_normal(t_s.size)
+    record = Record("run", t_s, phase_deg, speed_rad_s, np.full(t_s.size, WINDOW_S))
+    stretches, _ = cut_runs([record], model, ())
+    noise = estimate_noise(
+        stretches, [speed_rad_s - context.settled_rad_s(phase_deg)], [s.use for s in stretches]
+    )
+    problem = Problem(stretches, knowledge_of(model), noise, [s.use for s in stretches])
+    effect = next(e for e in library() if e.name == name)
+    alone = fit_effect(problem, effect, beside)
+    monkeypatch.setattr("usmbench.diagnose.fitting.scanning._SLIGHT", 0.0)
+    through_all = fit_effect(problem, effect, beside)
+    assert alone.statistic == pytest.approx(through_all.statistic, rel=0.05, abs=2.0)
+    assert problem.drop(alone.effects) - problem.drop(beside) == pytest.approx(alone.statistic)
+
+
+@pytest.mark.parametrize(("delay_s", "low", "high"), [(3e-4, 3.0, 3.0), (0.15, 10.0, np.inf)])
+def test_a_small_delay_does_not_pay_for_the_large_ones_that_were_tried(
+    delay_s: float, low: float, high: float
+) -> None:
+    point = OperatingPoint(None, None, CURVE, (-90.0, 90.0), (-15.0, 15.0), NOISE_RAD_S)
+    model = HammersteinModel(first_order(0.0035, 0.0, WINDOW_S), (point,), "fast")
+    draw = np.random.default_rng(5)
+    phase_deg = np.repeat(draw.uniform(-88.0, 88.0, 200), 5)
+    t_s = WINDOW_S * np.arange(1.0, phase_deg.size + 1.0)
+    context = Context(t_s, WINDOW_S, phase_deg, CURVE.speed_rad_s, model.linear)
+    effect = find_effect("transport_delay", "")
+    noise_rad_s = NOISE_RAD_S * draw.standard_normal(t_s.size)
+    speed_rad_s = extended_run([Applied(effect, {"delay_s": delay_s})], context).speed_rad_s
+    record = Record("run", t_s, phase_deg, speed_rad_s + noise_rad_s, np.full(t_s.size, WINDOW_S))
+    stretches, _ = cut_runs([record], model, ())
+    uses = [s.use for s in stretches]
+    noise = estimate_noise(stretches, [noise_rad_s], uses)
+    fit = fit_effect(Problem(stretches, knowledge_of(model), noise, uses), effect)
+    assert fit.effects[0].values["delay_s"] == pytest.approx(delay_s, rel=0.5)
+    assert low <= fit.roughness <= high
+
+
+@given(
+    statistic=st.floats(6.0, 500.0),
+    roughness=st.floats(0.0, 100.0),
+)
+def test_half_of_the_level_is_twice_the_roughness_and_what_the_tail_is_worth(
+    statistic: float, roughness: float
+) -> None:
+    effects = (Applied(find_effect("transport_delay", ""), {"delay_s": 1e-3}),)
+    whole = Fit(effects, statistic, roughness).p_value
+    assert min(2.0 * whole, 1.0) <= Fit(effects, statistic, 2.0 * roughness + 1.0).p_value

@@ -1,0 +1,105 @@
+"""What the shaft shows of a small change of the settled speed."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from usmbench.diagnose.cutting.cut_runs import cut_runs
+from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.diagnose.known.shapes import (
+    detuned_rad_s,
+    phase_nodes,
+    shown,
+    unheld_rad_s,
+    unmeasured_rad_s,
+)
+from usmbench.identify.lag_family import LagFamily
+from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
+from usmbench.model.linear import free_run
+from usmbench.runs.record import Record
+
+WINDOW_S, N, SLIP_RAD_S = 0.01, 600, 6.0
+CURVE = StaticCurve(np.array([-90.0, 90.0]), np.array([-10.0, 10.0]))
+LAG = LagFamily(1.0).dynamics(np.array([np.log(0.35), 0.15]))
+
+
+def _stretch(slip_limit_rad_s: float | None) -> Stretch:
+    linear = replace(LAG, slip_limit_rad_s=slip_limit_rad_s).linear_part(WINDOW_S)
+    point = OperatingPoint(None, None, CURVE, (-90.0, 90.0), (None, None), 0.01)
+    phase_deg = np.repeat(np.random.default_rng(5).uniform(-80.0, 80.0, N // 6), 6)
+    t_s = WINDOW_S * np.arange(1.0, N + 1.0)
+    record = Record("run", t_s, phase_deg, np.zeros(N), np.full(N, WINDOW_S))
+    (stretch,), _ = cut_runs([record], HammersteinModel(linear, (point,), "test"), ())
+    return stretch
+
+
+@given(st.floats(0.0, 1.0), st.floats(1e-12, 1.0))
+def test_nodes_are_apart_though_a_curve_does_all_at_one_place(at: float, width: float) -> None:
+    phase_deg = np.linspace(-90.0, 90.0, 2001)
+    speed_rad_s = 10.0 * np.tanh((phase_deg - 90.0 * (2.0 * at - 1.0)) / width)
+    nodes_deg = np.array(phase_nodes(phase_deg, [speed_rad_s]))
+    assert np.all(np.diff(nodes_deg) > 0.0)
+    assert (nodes_deg[0], nodes_deg[-1]) == (-90.0, 90.0)
+
+
+@pytest.mark.parametrize("slip_limit_rad_s", [None, SLIP_RAD_S])
+def test_a_small_change_moves_the_run_along_its_shape(slip_limit_rad_s: float | None) -> None:
+    stretch = _stretch(slip_limit_rad_s)
+    linear, settled = stretch.context.linear, stretch.settled_rad_s
+    changes = np.column_stack((settled, np.sin(settled), np.zeros(N)))
+    start = float(settled[0])
+    moved = [free_run(linear, settled + 1e-5 * c, start) for c in changes.T]
+    truth = (np.column_stack(moved) - free_run(linear, settled, start)[:, None]) / 1e-5
+    assert shown(stretch, changes) == pytest.approx(truth, abs=1e-3)
+
+
+def test_a_little_detuning_starts_no_rotor_that_friction_holds() -> None:
+    def starting_at(corner_deg: float, frequency_hz: float) -> OperatingPoint:
+        nodes_deg = np.linspace(-90.0, 90.0, 121)
+        beyond_deg = np.maximum(np.abs(nodes_deg) - corner_deg, 0.0)
+        curve = StaticCurve(nodes_deg, np.copysign(0.2 * beyond_deg, nodes_deg))
+        return OperatingPoint(frequency_hz, None, curve, (-90.0, 90.0), (None, None), 0.01)
+
+    points = starting_at(45.0, 41000.0), starting_at(25.0, 41025.0)
+    phase_deg = np.linspace(-80.0, 80.0, N)
+    t_s = WINDOW_S * np.arange(1.0, N + 1.0)
+    hz = np.full(N, 41000.0)
+    record = Record("run", t_s, phase_deg, np.zeros(N), np.full(N, WINDOW_S), hz)
+    model = HammersteinModel(LAG.linear_part(WINDOW_S), points, "test")
+    (stretch,), _ = cut_runs([record], model, ())
+    moved = detuned_rad_s(stretch)
+    held, turns = np.abs(phase_deg) < 20.0, np.abs(phase_deg) > 70.0
+    assert np.max(np.abs(moved[held])) < 0.02 * np.min(np.abs(moved[turns]))
+
+
+def test_a_run_with_a_torque_limit_does_not_grow_in_proportion_to_the_gain() -> None:
+    stretch = _stretch(SLIP_RAD_S)
+    large = (stretch.lag == 0) & (np.abs(stretch.step_rad_s) > SLIP_RAD_S) & stretch.use
+    behind = (shown(stretch, stretch.settled_rad_s) - stretch.simulated_rad_s)[large]
+    assert np.all(behind * np.sign(stretch.step_rad_s[large]) < 0.0)
+    settled = stretch.use & (stretch.lag > 3)
+    again = shown(stretch, stretch.settled_rad_s)[settled]
+    assert again == pytest.approx(stretch.simulated_rad_s[settled], abs=0.02)
+
+
+def test_a_curve_between_measured_phases_is_as_unsure_as_a_corner_there_would_make_it() -> None:
+    table_deg = np.linspace(-90.0, 90.0, 1801)
+    corner = 0.2 * np.maximum(table_deg - 14.0, 0.0)
+    measured_deg = np.r_[np.arange(-90.0, 0.0, 0.1), np.arange(0.0, 91.0, 10.0)]
+    nodes_deg = (-45.03, 3.0, 15.0, 34.0)
+    off = unmeasured_rad_s(nodes_deg, measured_deg, table_deg, [corner])
+    # From 10 to 20 degrees the slope turns by 0.2: in the middle, a line across is off by 0.5.
+    assert off[2] == pytest.approx(0.5, rel=0.01)
+    assert (off[0], off[1], off[3]) == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
+    assert unmeasured_rad_s(nodes_deg, measured_deg[:1], table_deg, [corner]) == (0.0,) * 4
+
+
+@pytest.mark.parametrize("times", [1, 4, 8])
+def test_an_end_that_few_rows_hold_may_be_off(times: int) -> None:
+    rows_deg = np.sort(np.r_[np.linspace(-90.0, 40.0, 300), np.full(times, 90.0)])
+    low, middle, edge, end = unheld_rad_s((-80.0, 0.0, 60.0, 90.0), rows_deg, 10.0)
+    assert low == middle == 0.0
+    assert edge == end == pytest.approx(0.5 * (1.0 - times / 8))

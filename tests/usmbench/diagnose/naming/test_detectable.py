@@ -1,0 +1,39 @@
+"""The smallest size that runs would show is one that is found nine times in ten."""
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.diagnose.fitting.fit import Fit
+from usmbench.diagnose.known.knowledge import knowledge_of
+from usmbench.diagnose.naming.detectable import smallest_sizes
+from usmbench.diagnose.noise.noise_estimate import estimate_noise
+from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.effects.registry import find_effect
+from usmbench.model.extended import Applied
+from usmbench.model.hammerstein import HammersteinModel
+
+
+@pytest.mark.parametrize(
+    ("name", "form"),
+    [("phase_offset", ""), ("stick_slip", "")],
+    ids=["either way", "one way"],
+)
+def test_nine_in_ten_of_the_smallest_size_are_below_the_level_of_a_name(
+    stretches: list[Stretch], model: HammersteinModel, name: str, form: str
+) -> None:
+    uses = [s.use for s in stretches]
+    white = [0.01 * np.random.default_rng(1).standard_normal(s.context.n) for s in stretches]
+    problem = Problem(stretches, knowledge_of(model), estimate_noise(stretches, white, uses), uses)
+    effect = find_effect(name, form)
+    (smallest,) = smallest_sizes(problem, [effect] * 5, 1.0)
+    assert smallest.value is not None
+    scanned = {
+        n: float(np.median(g)) for n, g in effect.grid([s.context for s in stretches]).items()
+    }
+    applied = Applied(effect, {**scanned, smallest.parameter: smallest.value})
+    carried = problem.carried(problem.change_rad_s([applied]))
+    # A deviation shorter one time in ten.
+    shorter = float(np.linalg.norm(carried) - norm.ppf(0.9))
+    assert 5 * Fit((applied,), shorter**2, 0.0).p_value == pytest.approx(0.05, rel=0.1)

@@ -1,0 +1,85 @@
+"""Two causes of which neither is found alone."""
+
+import numpy as np
+import pytest
+
+from known_motor import applied, driven, identified
+from usmbench.diagnose.cutting.cut_runs import cut_runs
+from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.diagnose.naming.pairs import hidden_pair
+from usmbench.diagnose.naming.ranking import rank
+from usmbench.diagnose.pipeline import own_effects, searched
+from usmbench.model.effects.registry import library
+from usmbench.model.extended import Applied
+from usmbench.model.hammerstein import HammersteinModel
+
+STEP_DEG = 360.0 / 256.0
+COARSE = applied("phase_quantisation", "cut off", step_deg=STEP_DEG)
+
+
+@pytest.fixture(scope="module")
+def model() -> HammersteinModel:
+    return identified()
+
+
+def _offset(degrees: float) -> Applied:
+    return applied("phase_offset", "", offset_deg=degrees)
+
+
+def _stretches(model: HammersteinModel, *hidden: Applied, stairs: bool = False) -> list[Stretch]:
+    phase_deg = np.repeat(np.random.default_rng(8).uniform(-88.0, 88.0, 400), 5)
+    if stairs:
+        up_deg = np.linspace(-88.0, 88.0, 23)
+        phase_deg = np.repeat(np.concatenate([up_deg, up_deg[::-1]]), 40)
+    return cut_runs([driven(phase_deg, 41, *hidden)], model, own_effects(model))[0]
+
+
+@pytest.mark.parametrize("offset_deg", [-0.6, 0.5, 0.7, 0.8])
+def test_a_register_and_an_offset_are_both_named(
+    model: HammersteinModel, offset_deg: float
+) -> None:
+    found = searched(_stretches(model, COARSE, _offset(offset_deg)), model)
+    assert [r[0].effect.name for r in found.named] == ["phase_quantisation", "phase_offset"]
+    grid, offset = found.fit.effects
+    assert grid.values["step_deg"] == pytest.approx(STEP_DEG, rel=5e-3)
+    assert offset.values["offset_deg"] == pytest.approx(offset_deg, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("offset_deg", "asymmetry"),
+    [(-0.3, 0.01), (-0.6, 0.02), (0.6, 0.02)],
+    ids=["against it", "more against it", "with it, much like a weight"],
+)
+def test_an_offset_and_teeth_that_lean_are_both_named(
+    model: HammersteinModel, offset_deg: float, asymmetry: float
+) -> None:
+    lean = applied("gain_asymmetry", "balanced", asymmetry=asymmetry)
+    found = searched(_stretches(model, _offset(offset_deg), lean, stairs=True), model)
+    values = {a.effect.name: a.values for a in found.fit.effects}
+    assert sorted(r[0].effect.name for r in found.named) == ["gain_asymmetry", "phase_offset"]
+    assert values["phase_offset"]["offset_deg"] == pytest.approx(offset_deg, abs=0.02)
+    assert values["gain_asymmetry"]["asymmetry"] == pytest.approx(asymmetry, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("hidden", "stairs"),
+    [
+        ((), True),
+        ((_offset(0.7),), True),
+        ((COARSE,), False),
+        ((applied("unsigned_counts", ""),), False),
+        ((applied("coupling_backlash", "", gap_rad=0.02),), False),
+        ((applied("load_torque", "weight", one_sided_rad_s=-0.1),), True),
+    ],
+    ids=["nothing", "an offset", "a register", "unsigned counts", "backlash", "a weight"],
+)
+def test_what_is_one_cause_is_no_pair(
+    model: HammersteinModel, hidden: tuple[Applied, ...], stairs: bool
+) -> None:
+    problem = searched(_stretches(model, *hidden, stairs=stairs), model).problem
+    effects = [
+        e
+        for e in library()
+        if not e.sporadic and e.untestable([s.context for s in problem.stretches]) is None
+    ]
+    assert hidden_pair(problem, rank(problem, effects, 1.0), effects, 1.0) is None

@@ -1,0 +1,227 @@
+"""Windows that stand alone, and what they are beside an effect that is large there."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.signal import sawtooth
+
+from known_motor import CURVE, NOISE_RAD_S, WINDOW_S, applied, driven, identified, measured
+from usmbench.diagnose.cutting.cut_runs import cut_runs
+from usmbench.diagnose.fitting.fit import NOTHING
+from usmbench.diagnose.fitting.gain import held_out_gain
+from usmbench.diagnose.known.knowledge import knowledge_of
+from usmbench.diagnose.naming.sporadic import find_sporadic, left_unnamed
+from usmbench.diagnose.noise.spikes import whole_count_rad_s
+from usmbench.diagnose.pipeline import diagnose
+from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.extended import Applied
+from usmbench.runs.record import Record
+
+Array = NDArray[np.int64]
+
+
+@pytest.mark.parametrize(("scale_error", "found"), [(0.01, True), (0.3, False)])
+def test_what_an_effect_may_be_off_by_is_no_false_count(scale_error: float, found: bool) -> None:
+    model = identified()
+    effect = applied("speed_scale", "", scale_error=scale_error)
+    phase_deg = np.repeat(np.random.default_rng(2).uniform(30.0, 88.0, 100), 20)
+    record = driven(phase_deg, 4, effect)
+    off = np.zeros(phase_deg.size)
+    off[210::200] = 25.0 * NOISE_RAD_S
+    (stretch,), _ = cut_runs([replace(record, speed_rad_s=record.speed_rad_s + off)], model, ())
+    known = knowledge_of(model)
+    assert known.noise is not None
+    problem = Problem([stretch], known, known.noise, [stretch.use])
+    sporadic = find_sporadic(problem, [effect], 1.0)
+    assert (sporadic is not None) == found
+
+
+@pytest.mark.parametrize("times_noise", [15.0, 60.0])
+@pytest.mark.parametrize(("windows", "found"), [((6, 7, 8, 9), True), ((18, 19, 38, 39), False)])
+def test_what_an_effect_does_may_come_a_window_sooner(
+    windows: tuple[int, ...], found: bool, times_noise: float
+) -> None:
+    effect = applied("phase_quantisation", "rounded", step_deg=30.0)
+    hits = np.arange(400, 2000, 400) + windows
+    problem = two_phases(hits, times_noise, effect)
+    assert (find_sporadic(problem, [effect], 1.0) is not None) == found
+
+
+@pytest.mark.parametrize("always_there", [True, False])
+def test_what_comes_back_with_the_plan_is_no_chance(always_there: bool) -> None:
+    hits = np.arange(410, 2000, 400)
+    problem = two_phases(hits if always_there else hits + hits // 400, 15.0)
+    assert (find_sporadic(problem, (), 1.0) is None) == always_there
+
+
+def two_phases(hits: Array, times_noise: float, *effects: Applied) -> Problem:
+    """Return a run to and fro between two phases, some of its windows off by some noise."""
+    model = identified()
+    phase_deg = np.tile(np.repeat([30.0, 44.0], 20), 50)  # on a grid of 30 degrees, and beside it
+    record = driven(phase_deg, 4, *effects)
+    speed_rad_s = record.speed_rad_s.copy()
+    speed_rad_s[hits] += times_noise * NOISE_RAD_S
+    (stretch,), _ = cut_runs([replace(record, speed_rad_s=speed_rad_s)], model, ())
+    known = knowledge_of(model)
+    assert known.noise is not None
+    return Problem([stretch], known, known.noise, [stretch.use])
+
+
+@pytest.mark.parametrize("by_chance", [True, False])
+def test_what_hangs_on_the_phase_is_no_chance(by_chance: bool) -> None:
+    model = identified()
+    phase_deg = 85.0 * sawtooth(0.1 * np.arange(4000.0), 0.5)
+    record = driven(phase_deg, 4)
+    band = (phase_deg > 41.0) & (phase_deg < 44.0)
+    struck = np.random.default_rng(3).permutation(band) if by_chance else band
+    speed_rad_s = record.speed_rad_s - np.where(struck, 20.0 * NOISE_RAD_S, 0.0)
+    (stretch,), _ = cut_runs([replace(record, speed_rad_s=speed_rad_s)], model, ())
+    known = knowledge_of(model)
+    assert known.noise is not None
+    problem = Problem([stretch], known, known.noise, [stretch.use])
+    assert (find_sporadic(problem, (), 1.0) is not None) == by_chance
+
+
+def test_a_false_count_is_as_large_as_it_is_beside_its_neighbours() -> None:
+    model = identified()
+    draw = np.random.default_rng(6)
+    phase_deg = np.repeat(draw.uniform(30.0, 88.0, 100), 20)
+    record = driven(phase_deg, 4)
+    count_rad_s = 30.0 * NOISE_RAD_S
+    # What a hold's speed lacks to the whole count below or above.
+    part = np.repeat(draw.uniform(-0.4, 0.4, 100), 20) * count_rad_s
+    off = np.zeros(phase_deg.size)
+    off[13::20] = count_rad_s
+    measured = replace(record, speed_rad_s=record.speed_rad_s + part + off)
+    (stretch,), _ = cut_runs([measured], model, ())
+    known = knowledge_of(model)
+    assert known.noise is not None
+    problem = Problem([stretch], known, known.noise, [stretch.use])
+    sporadic = find_sporadic(problem, (), 1.0)
+    assert sporadic is not None
+    (size,) = [e for e in sporadic.named.parameters if e.name == "size_rad_s"]
+    assert size.low < count_rad_s < size.high
+    assert size.value == pytest.approx(count_rad_s, rel=0.02)
+
+
+@pytest.mark.parametrize(("n_off", "told"), [(1, False), (2, True), (12, False)])
+def test_windows_too_few_for_a_cause_are_not_left_unsaid(n_off: int, told: bool) -> None:
+    phase_deg = np.repeat(np.random.default_rng(2).uniform(30.0, 88.0, 40), 20)
+    record = driven(phase_deg, 4)
+    off = np.zeros(phase_deg.size)
+    off[15 : 15 + 60 * n_off : 60] = 25.0 * NOISE_RAD_S
+    found = diagnose([replace(record, speed_rad_s=record.speed_rad_s + off)], identified())
+    assert [cause.name for cause in found.causes] == (["count_glitches"] if n_off > 2 else [])
+    warned = [w for w in found.warnings if "stand alone" in w]
+    assert len(warned) == told
+    if told:
+        assert f"not judged: 2, off by up to {25.0 * NOISE_RAD_S:.1g}" in warned[0]
+
+
+def test_where_something_has_no_name_lone_windows_are_told_too() -> None:
+    model, record = identified(), measured(25)
+    slower = 0.2 * np.exp(-((np.abs(record.speed_rad_s) - 5.0) ** 2)) * np.sign(record.speed_rad_s)
+    off = np.zeros(record.speed_rad_s.size)
+    off[502::100] = 40.0 * NOISE_RAD_S
+    found = diagnose([replace(record, speed_rad_s=record.speed_rad_s - slower + off)], model)
+    assert found.verdict == "unexplained"
+    assert [w for w in found.warnings if "stand alone" in w]
+
+
+@pytest.mark.parametrize(("spread", "told"), [(1.0, True), (4.0, False)])
+def test_in_a_noise_that_has_grown_none_stands_alone(spread: float, told: bool) -> None:
+    model = identified()
+    phase_deg = np.repeat(np.random.default_rng(2).uniform(30.0, 88.0, 40), 20)
+    record = driven(phase_deg, 4)
+    off = np.zeros(phase_deg.size)
+    off[[15, 75]] = 25.0 * NOISE_RAD_S
+    (stretch,), _ = cut_runs([replace(record, speed_rad_s=record.speed_rad_s + off)], model, ())
+    known = knowledge_of(model)
+    assert known.noise is not None
+    problem = Problem([stretch], known, known.noise, [stretch.use & (np.abs(off) == 0.0)])
+    assert bool(left_unnamed(problem, (), spread)) == told
+
+
+@pytest.mark.parametrize("known_well", [True, False])
+def test_what_the_model_may_miss_after_a_step_is_no_false_count(
+    known_well: bool,
+) -> None:
+    model = identified()
+    phase_deg = np.repeat(np.random.default_rng(2).uniform(30.0, 88.0, 100), 20)
+    record = driven(phase_deg, 4)
+    off = np.zeros(phase_deg.size)
+    off[[203, 704, 1103, 1405]] = 25.0 * NOISE_RAD_S  # three windows after a step, or four
+    (stretch,), _ = cut_runs([replace(record, speed_rad_s=record.speed_rad_s + off)], model, ())
+    known = knowledge_of(model)
+    noise = known.noise
+    assert noise is not None
+    if not known_well:
+        lag = np.array([g in ("lag 3", "lag 4", "lag 5") for g in known.features.groups])
+        known = replace(known, root=known.root + np.diag(0.5 * lag))
+    problem = Problem([stretch], known, noise, [stretch.use])
+    assert (find_sporadic(problem, (), 1.0) is not None) == known_well
+
+
+def swinging(off_rad_s: float) -> tuple[Record, int]:
+    """Return a run in which false counts strike where the phase swings fastest, and how many."""
+    # From window to window the speed changes by some rad/s there.
+    rows = np.arange(2000)
+    turned = 2.0 * np.pi * rows / 47.3
+    record = driven(80.0 * np.sin(turned), 6)
+    hit, off = np.flatnonzero(np.abs(np.cos(turned)) > 0.9)[40::80], np.zeros(rows.size)
+    off[hit] = off_rad_s * np.resize([1.0, -1.0], hit.size)
+    return replace(record, speed_rad_s=record.speed_rad_s + off), hit.size
+
+
+def judged(record: Record) -> Problem:
+    """Return a problem in which every window counts."""
+    (stretch,), _ = cut_runs([record], identified(), ())
+    known = knowledge_of(identified())
+    assert known.noise is not None
+    return Problem([stretch], known, known.noise, [stretch.use])
+
+
+@pytest.mark.parametrize(("off_rad_s", "found"), [(4.0, True), (1.0, False)])
+def test_what_no_move_of_the_motor_makes_is_a_false_count_wherever_it_strikes(
+    off_rad_s: float, found: bool
+) -> None:
+    record, n_hit = swinging(off_rad_s)
+    sporadic = find_sporadic(judged(record), (), 1.0)
+    assert (sporadic is not None) == found
+    if sporadic is not None:
+        assert sporadic.named.name == "count_glitches"
+        rate_hz = sporadic.applied.values["rate_hz"]
+        assert rate_hz == pytest.approx(n_hit / (record.t_s.size * 0.01), rel=0.6)
+
+
+def test_false_counts_among_the_judged_windows_are_gained_too() -> None:
+    problem = judged(swinging(4.0)[0])
+    sporadic = find_sporadic(problem, (), 1.0)
+    assert sporadic is not None
+    gain = held_out_gain(problem, NOTHING, sporadic.struck)
+    assert gain.gain > 0.8
+    assert gain.rmse_extended_rad_s < 0.5 * gain.rmse_simulation_rad_s
+
+
+@pytest.mark.parametrize(("counts", "found"), [(1, False), (2, True)])
+def test_where_speeds_are_whole_counts_one_more_is_no_false_count(counts: int, found: bool) -> None:
+    count_rad_s = 2.0 * np.pi / 2000.0 / WINDOW_S
+    fine_deg = np.linspace(20.0, 88.0, 5000)
+    phases_deg = np.interp(count_rad_s * np.arange(10, 32), CURVE.speed_rad_s(fine_deg), fine_deg)
+    model, rng = identified(), np.random.default_rng(4)
+    record = driven(np.repeat(rng.choice(phases_deg, 100), 20), 4)
+    whole = np.rint(CURVE.speed_rad_s(record.phase_deg) / count_rad_s)
+    whole[15::200] += counts
+    (stretch,), _ = cut_runs([replace(record, speed_rad_s=count_rad_s * whole)], model, ())
+    known = knowledge_of(model)
+    assert known.noise is not None
+    problem = Problem([stretch], known, known.noise, [stretch.use])
+    assert whole_count_rad_s(stretch) == pytest.approx(count_rad_s)
+    assert (find_sporadic(problem, (), 1.0) is not None) == found
+
+
+def test_finer_speeds_are_no_whole_counts() -> None:
+    (stretch,), _ = cut_runs([measured(4)], identified(), ())
+    assert whole_count_rad_s(stretch) < 1e-5

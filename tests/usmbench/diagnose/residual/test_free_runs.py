@@ -1,0 +1,80 @@
+"""Runs that are kept are those that would be made anew."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.diagnose.known.knowledge import knowledge_of
+from usmbench.diagnose.noise.noise_estimate import estimate_noise
+from usmbench.diagnose.residual.free_runs import FreeRuns
+from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.effects.base import Context
+from usmbench.model.effects.registry import find_effect
+from usmbench.model.extended import Applied, ExtendedRun, extended_run, shaft_run
+from usmbench.model.hammerstein import HammersteinModel
+
+LATE = [Applied(find_effect("transport_delay", ""), {"delay_s": d}) for d in (0.004, 0.02)]
+RIPPLE = Applied(find_effect("encoder_eccentricity", ""), {"cosine": 0.01, "sine": 0.02})
+BLIND = Applied(find_effect("unsigned_counts", ""), {})
+
+
+@pytest.mark.parametrize("effects", [[], [LATE[0]], [RIPPLE, LATE[0]], [BLIND], LATE])
+def test_a_run_from_memory_is_the_run_itself(
+    stretches: list[Stretch], effects: list[Applied]
+) -> None:
+    runs = FreeRuns(stretches)
+    for asked in ([LATE[1]], effects, [*effects, RIPPLE], effects):
+        (found,) = runs.speed_rad_s(asked)
+        expected = extended_run(asked, stretches[0].context).speed_rad_s
+        np.testing.assert_array_equal(found, expected)
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> list[Sequence[Applied]]:
+    """Return the effects with which the shaft was run, one entry a run."""
+    effects_of_runs: list[Sequence[Applied]] = []
+
+    def counting(effects: Sequence[Applied], context: Context) -> ExtendedRun:
+        effects_of_runs.append(effects)
+        return shaft_run(effects, context)
+
+    monkeypatch.setattr("usmbench.diagnose.residual.free_runs.shaft_run", counting)
+    return effects_of_runs
+
+
+def test_what_comes_after_the_shaft_does_not_run_it_again(
+    stretches: list[Stretch], asked: list[Sequence[Applied]]
+) -> None:
+    runs = FreeRuns(stretches)
+    for after in ([], [RIPPLE], [BLIND], [RIPPLE, BLIND]):
+        runs.speed_rad_s([LATE[0], *after])
+    assert asked == [[LATE[0]]]
+
+
+@pytest.mark.parametrize(("kept", "n_runs"), [(12 * 200, 12), (11 * 200, 24)])
+def test_a_scan_that_fits_in_memory_is_run_once(
+    stretches: list[Stretch],
+    asked: list[Sequence[Applied]],
+    kept: int,
+    n_runs: int,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("usmbench.diagnose.residual.free_runs._KEPT", kept)
+    runs = FreeRuns(stretches)
+    delays_s = np.linspace(0.001, 0.02, 12).tolist()
+    for delay_s in [*delays_s, *delays_s]:
+        runs.speed_rad_s([Applied(LATE[0].effect, {"delay_s": delay_s})])
+    assert len(asked) == n_runs
+
+
+def test_another_noise_runs_nothing_again(
+    model: HammersteinModel, stretches: list[Stretch], asked: list[Sequence[Applied]]
+) -> None:
+    uses = [s.use for s in stretches]
+    noise = estimate_noise(stretches, [s.residual_rad_s for s in stretches], uses)
+    problem = Problem(stretches, knowledge_of(model), noise, uses)
+    for weighed in (problem, problem.weighed(noise, uses), problem.with_masks(uses)):
+        weighed.left(LATE)
+    assert asked == [LATE]

@@ -1,0 +1,131 @@
+"""A residual weighs what its covariance says."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.diagnose.known.knowledge import Knowledge, knowledge_of
+from usmbench.diagnose.noise.noise_estimate import estimate_noise
+from usmbench.diagnose.noise.noise_model import Noise
+from usmbench.diagnose.noise.whitening import memory_rows, whitening
+from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.effects.registry import find_effect
+from usmbench.model.extended import Applied
+from usmbench.model.hammerstein import HammersteinModel
+
+Array = NDArray[np.float64]
+
+FEEDBACK, INNOVATION = 0.6, 0.8
+
+
+@pytest.fixture
+def known(model: HammersteinModel) -> Knowledge:
+    """Return what is known, with ways to differ in which shapes differ together."""
+    plain = knowledge_of(model)
+    together = np.random.default_rng(3).standard_normal(plain.root.shape)
+    return replace(plain, root=plain.root @ together)
+
+
+@pytest.fixture
+def noise(stretches: list[Stretch]) -> Noise:
+    """Return a coloured noise."""
+    left, uses = [s.residual_rad_s for s in stretches], [s.use for s in stretches]
+    rough = estimate_noise(stretches, left, uses)
+    return replace(rough, ar=np.array([FEEDBACK]), innovation=INNOVATION)
+
+
+def deviance(white: Array, free: Array) -> float:
+    """Return the deviance of a whitened residual that may differ along columns."""
+    return float(white @ np.linalg.solve(np.eye(white.size) + free @ free.T, white))
+
+
+def test_rows_may_be_off_as_the_covariance_says(
+    stretches: list[Stretch], known: Knowledge, noise: Noise
+) -> None:
+    problem = Problem(stretches, known, noise, [s.use for s in stretches])
+    rows = [s.use & (s.lag > 0) for s in stretches]
+    shapes, root = known.background(stretches)
+    for unsure, mask, own in zip(problem.unsure_rad_s(rows), rows, shapes, strict=True):
+        covariance = own @ root @ root.T @ own.T
+        assert unsure[mask] == pytest.approx(np.sqrt(np.diag(covariance))[mask])
+        assert not unsure[~mask].any()
+
+
+def test_the_deviance_is_that_of_the_whole_covariance(
+    stretches: list[Stretch], known: Knowledge, noise: Noise, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("usmbench.diagnose.residual.carrier._HIDDEN", 0.0)
+    use = stretches[0].use.copy()
+    use[120:123] = False
+    problem = Problem(stretches, known, noise, [use])
+    counts = [all(use[max(k - memory_rows(noise), 0) : k + 1]) for k in range(use.size)]
+    assert problem.n_rows == np.count_nonzero(counts)
+    (shapes,), root = known.background(stretches)
+    white = whitening(noise, stretches[0]).toarray()[counts]
+    error, free = white @ problem.residual_rad_s[0], white @ (shapes @ root)
+    assert problem.deviance == pytest.approx(deviance(error, free), rel=1e-6)
+    assert problem.deviance < 0.9 * float(error @ error)
+    twice = problem.weighed(noise, [use], [np.full(use.size, 2.0)])
+    assert twice.deviance == pytest.approx(deviance(2.0 * error, 2.0 * free), rel=1e-6)
+
+
+def test_several_residuals_weigh_together_what_each_weighs(
+    stretches: list[Stretch], known: Knowledge, noise: Noise
+) -> None:
+    problem = Problem(stretches, known, noise, [s.use for s in stretches])
+    signals = np.random.default_rng(1).standard_normal((stretches[0].context.n, 3))
+    together = problem.carried([signals])
+    for column, signal in zip(together.T, signals.T, strict=True):
+        np.testing.assert_allclose(column, problem.carried([signal]), atol=1e-9)
+
+
+def test_a_problem_weighed_anew_is_one_made_anew(
+    stretches: list[Stretch], known: Knowledge, noise: Noise
+) -> None:
+    uses = [s.use for s in stretches]
+    late = [Applied(find_effect("transport_delay", ""), {"delay_s": 0.004})]
+    white = replace(noise, ar=np.empty(0), innovation=1.0)
+    problem = Problem(stretches, known, white, uses)
+    before = problem.left(late)
+    anew = problem.weighed(noise, uses)
+    np.testing.assert_array_equal(
+        anew.left(late), Problem(stretches, known, noise, uses).left(late)
+    )
+    np.testing.assert_array_equal(problem.left(late), before)
+
+
+LATE = Applied(find_effect("transport_delay", ""), {"delay_s": 0.004})
+LEAN = Applied(find_effect("gain_asymmetry", "balanced"), {"asymmetry": 0.3})
+
+
+def test_what_may_be_there_by_any_size_costs_nothing(
+    stretches: list[Stretch], known: Knowledge, noise: Noise
+) -> None:
+    problem = Problem(stretches, known, noise, [s.use for s in stretches])
+    free = problem.freeing([LATE])
+    shares = []
+    for effect in (LATE, LEAN):
+        signal = [3.0 * change for change in problem.change_rad_s([effect])]
+        before, after = (float(np.sum(p.carried(signal) ** 2)) for p in (problem, free))
+        shares.append(after / before)
+    assert shares[0] < 1e-4
+    assert shares[1] > 0.5
+
+
+def test_another_gain_makes_as_much_more_of_an_effect(
+    stretches: list[Stretch], model: HammersteinModel, noise: Noise
+) -> None:
+    plain = knowledge_of(model).nothing
+    known = replace(plain, wander=replace(plain.wander, gain=0.02))
+    problem = Problem(stretches, known, noise, [s.use for s in stretches])
+    (change,) = problem.change_rad_s([LEAN])
+    signal = [0.02 * (stretches[0].simulated_rad_s + change)]
+    leaning = problem.showing([LEAN])
+    before, after = (float(np.sum(p.carried(signal) ** 2)) for p in (problem, leaning))
+    assert after <= 1.0 + 1e-6  # one standard deviation of what is no news
+    assert before > 5.0
+    again = leaning.showing(())
+    np.testing.assert_allclose(again.carried(signal), problem.carried(signal), atol=1e-9)
