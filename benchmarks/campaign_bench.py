@@ -18,10 +18,10 @@ from benchmarks.campaign_sizes import noise_of, not_far_out, square_of, strength
 from benchmarks.told_test import told_length
 from hil_sim.defects import Defect
 from usmbench.cli.main import main as usmbench
-from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.fitting.gain import gain_of_blocks
 from usmbench.diagnose.naming.found import Found
-from usmbench.diagnose.pipeline import diagnose, own_effects, searched
+from usmbench.diagnose.pipeline import diagnose, searched
+from usmbench.diagnose.residual.own_effects import cut_beside_own
 from usmbench.errors import UsmbenchError
 from usmbench.model.model_file import read_model, write_model
 from usmbench.model.replay import replay_record
@@ -111,7 +111,7 @@ class MotorBench:
     def searched(self, record: Record) -> Found:
         """Return what a diagnosis of a run finds before it says so."""
         model = read_model(self.model)
-        return searched(cut_runs([record], model, own_effects(model))[0], model)
+        return searched(cut_beside_own([record], model)[0], model)
 
     @property
     def _extended(self) -> Path:

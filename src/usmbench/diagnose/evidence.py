@@ -85,8 +85,10 @@ def strongest_first(causes: Sequence[NamedCause]) -> list[NamedCause]:
     Parameters
     ----------
     causes
-        In the order in which they earned their names, at least one.
+        In the order in which they earned their names.
     """
+    if not causes:
+        return []
     strongest = max(causes, key=lambda cause: cause.gain)
     if strongest.gain <= _PLAINLY_MORE * causes[0].gain:
         return list(causes)

@@ -1,7 +1,7 @@
 """From runs and a model to a diagnosis."""
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,11 +12,9 @@ from usmbench.diagnose.cutting.command_times import (
     at_unknown_moments,
     unknown_moments,
 )
-from usmbench.diagnose.cutting.cut_runs import cut_runs
-from usmbench.diagnose.cutting.one_angle import at_models_angle, at_one_angle
-from usmbench.diagnose.cutting.stretches import Mask, Stretch
+from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.evidence import Candidate, Estimate, NamedCause, strongest_first
-from usmbench.diagnose.fitting.fit import NOTHING, Fit
+from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.gain import Gain, held_out_gain
 from usmbench.diagnose.fitting.intervals import intervals
 from usmbench.diagnose.known.knowledge import knowledge_of
@@ -24,7 +22,6 @@ from usmbench.diagnose.naming.detectable import smallest_sizes
 from usmbench.diagnose.naming.found import (
     Found,
     left_aside,
-    on_nothing_named,
     unmeasured,
     verdict_on,
 )
@@ -32,13 +29,13 @@ from usmbench.diagnose.naming.ranking import Ranked, alternatives
 from usmbench.diagnose.naming.remainder import describe
 from usmbench.diagnose.naming.search import search
 from usmbench.diagnose.naming.sporadic import Sporadic, find_sporadic, left_unnamed
-from usmbench.diagnose.residual.form import doubting_own
+from usmbench.diagnose.residual.own_effects import cut_beside_own, own_effects
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.views import residual_views
 from usmbench.diagnose.result import Diagnosis, Trace, Verdict
 from usmbench.model.effects.base import Effect
 from usmbench.model.effects.registry import library
-from usmbench.model.extended import Applied, applied_effects
+from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.runs.record import Record
 
@@ -60,35 +57,15 @@ def diagnose(records: Sequence[Record], model: HammersteinModel) -> Diagnosis:
     usmbench.errors.InputError
         Runs that do not belong to the model or together, or too short to say anything.
     """
-    stretches, warnings = _cut(records, model)
+    stretches, warnings = cut_beside_own(records, model)
     for run, record in enumerate(records):
         check_moves(record, [s.simulated_rad_s for s in stretches if s.run == run])
     anew = identified_anew(stretches, model, library())
     if anew is None:
         return _diagnosed(stretches, warnings, model)
     # Fitted beside its effect, such a model is not in doubt for it.
-    again, _ = cut_runs(records, anew.model, own_effects(anew.model))
+    again, warnings = cut_beside_own(records, anew.model, doubted=False)
     return anew.told(_diagnosed(again, warnings, anew.model))
-
-
-def _cut(records: Sequence[Record], model: HammersteinModel) -> tuple[list[Stretch], list[str]]:
-    """Cut runs, and doubt the effects by which the model was extended."""
-    own = own_effects(model)
-    stretches, warnings = cut_runs(records, model, own)
-    doubted = own[: len(model.effects)]
-    stretches, told = at_models_angle(stretches, own) if doubted else at_one_angle(stretches)
-    return doubting_own(stretches, own, doubted), [*warnings, *told]
-
-
-def own_effects(model: HammersteinModel) -> tuple[Applied, ...]:
-    """Return a model's effects, and what healthy runs are known to show.
-
-    Parameters
-    ----------
-    model
-        The model.
-    """
-    return (*applied_effects(model.effects), *applied_effects(knowledge_of(model).habits))
 
 
 def searched(stretches: Sequence[Stretch], model: HammersteinModel) -> Found:
@@ -121,85 +98,94 @@ def _diagnosed(
     for (name, _), reason in reasons.items():
         if reason is not None and all(e.name != name for e in testable):
             refused[name] = reason
-    found = searched(stretches, model)
+    held = _held(searched(stretches, model))
+    return _report(held, model, testable, tuple(refused.items()), warnings)
+
+
+@dataclass(frozen=True, slots=True)
+class _Held:
+    """What was found, as far as it stands and predicts rows that its fit has not seen."""
+
+    found: Found
+    verdict: Verdict
+    sporadic: Sporadic | None
+    gain: Gain
+
+
+def _held(found: Found) -> _Held:
+    """Judge what was found, and once more without the names where they predict worse."""
     sporadic = find_sporadic(found.problem, found.fit.effects, found.spread)
     if sporadic is not None and sporadic.named.name in {r[0].effect.name for r in found.named}:
         sporadic = None
     says = verdict_on(found, sporadic)
-    told = (*warnings, *unknown_moments(found.problem.stretches), *unmeasured(found))
-    return _report(found, sporadic, says, model, testable, tuple(refused.items()), told)
+    stands = says in ("explained", "partly_explained")
+    if not stands:
+        found, sporadic = found.without_names, None
+    struck = () if sporadic is None else sporadic.struck
+    gain = held_out_gain(found.problem, found.fit, struck)
+    if found.named and gain.worse:
+        return _held(found.without_names)
+    return _Held(found, says, sporadic, gain)
 
 
 def _report(
-    found: Found,
-    sporadic: Sporadic | None,
-    says: Verdict,
+    held: _Held,
     model: HammersteinModel,
     testable: Sequence[Effect],
     refused: tuple[tuple[str, str], ...],
-    warnings: tuple[str, ...],
+    warnings: Sequence[str],
 ) -> Diagnosis:
     """Put everything together."""
-    stands = says in ("explained", "partly_explained")
-    named = found.named if stands else []
-    # The problem is that of a motor that shows what was named, also where no name stands.
-    problem = found.problem.showing(()) if found.named and not named else found.problem
-    fit = found.fit if named else NOTHING
-    sporadic = sporadic if stands else None
-    struck = () if sporadic is None else sporadic.struck
-    gain = held_out_gain(problem, fit, struck)
-    if named and gain.worse:
-        says = on_nothing_named(found)
-        return _report(found, None, says, model, testable, refused, warnings)
-    if sporadic is None:
-        warnings += tuple(left_unnamed(problem, fit.effects, found.spread))
-    if says == "no_discrepancy":
-        warnings += tuple(left_aside(found))
-    effects = (*fit.effects, *(() if sporadic is None else (sporadic.applied,)))
-    extended = replace(
-        model, effects=(*model.effects, *(applied.to_mapping() for applied in effects))
-    )
-    left = found.left_rad_s if named else problem.residual_rad_s
-    causes = [] if not named else _causes(found, named, fit, gain, struck)
-    if sporadic is not None:
-        most = max((ranking[0].statistic for ranking in named), default=0.0)
-        strongest = sporadic.deviance > most * found.spread**2
-        causes.insert(0 if strongest else len(causes), sporadic.named)
-    views = residual_views(problem, left, found.spread)
-    remainder = None if says in ("no_discrepancy", "explained") else describe(views, found.spread)
+    found, gain = held.found, held.gain
+    problem, fit = found.problem, found.fit
+    singles = () if held.sporadic is None else (held.sporadic.applied,)
+    effects = [applied.to_mapping() for applied in (*fit.effects, *singles)]
+    views = residual_views(problem, found.left_rad_s, found.spread)
+    silent = held.verdict in ("no_discrepancy", "explained")
     return Diagnosis(
-        verdict=says,
-        causes=tuple(causes),
+        verdict=held.verdict,
+        causes=tuple(_causes(held)),
         candidates=tuple(_candidate(r, found) for r in _best_forms(found.ranked)),
         not_testable=refused,
         rmse_simulation_rad_s=gain.rmse_simulation_rad_s,
         rmse_extended_rad_s=gain.rmse_extended_rad_s,
         noise_floor_rad_s=gain.noise_floor_rad_s,
-        gain=gain.gain if effects else 0.0,
-        gain_low=gain.low if effects else 0.0,
-        gain_high=gain.high if effects else 0.0,
-        remainder=remainder,
+        gain=gain.gain,
+        gain_low=gain.low,
+        gain_high=gain.high,
+        remainder=None if silent else describe(views, found.spread),
         minimum_detectable=smallest_sizes(problem, testable, found.spread),
         views=views,
         traces=tuple(_traces(problem, fit)),
-        extended=extended,
+        extended=replace(model, effects=(*model.effects, *effects)),
         n_windows=problem.n_rows,
-        warnings=warnings,
+        warnings=(*warnings, *_warnings(held)),
     )
 
 
-def _causes(
-    found: Found, named: Sequence[list[Ranked]], fit: Fit, gain: Gain, struck: Sequence[Mask]
-) -> list[NamedCause]:
+def _warnings(held: _Held) -> Iterator[str]:
+    """Yield what the user ought to know beside the verdict."""
+    found = held.found
+    yield from unknown_moments(found.problem.stretches)
+    yield from unmeasured(found)
+    if held.sporadic is None:
+        yield from left_unnamed(found.problem, found.fit.effects, found.spread)
+    if held.verdict == "no_discrepancy":
+        yield from left_aside(found)
+
+
+def _causes(held: _Held) -> list[NamedCause]:
     """Describe the named causes, the strongest first."""
-    problem = found.problem
-    ranges = intervals(problem, fit, found.spread)
+    found = held.found
+    problem, fit, spread = found.problem, found.fit, found.spread
+    struck = () if held.sporadic is None else held.sporadic.struck
+    ranges = intervals(problem, fit, spread)
     causes = []
-    for k, (ranking, applied) in enumerate(zip(named, fit.effects, strict=True)):
-        share = gain.gain
-        if len(named) > 1:
+    for k, (ranking, applied) in enumerate(zip(found.named, fit.effects, strict=True)):
+        share = held.gain.gain
+        if len(found.named) > 1:
             rest = Fit(tuple(a for i, a in enumerate(fit.effects) if i != k), 0.0, 0.0)
-            share = max(gain.gain - held_out_gain(problem, rest, struck).gain, 0.0)
+            share = max(share - held_out_gain(problem, rest, struck).gain, 0.0)
         effect = applied.effect
         causes.append(
             NamedCause(
@@ -213,7 +199,12 @@ def _causes(
                 share,
             )
         )
-    return strongest_first(causes)
+    causes = strongest_first(causes)
+    if held.sporadic is not None:
+        most = max((ranking[0].statistic for ranking in found.named), default=0.0)
+        strongest = held.sporadic.deviance > most * spread**2
+        causes.insert(0 if strongest else len(causes), held.sporadic.named)
+    return causes
 
 
 def _estimates(applied: Applied, ranges: dict[str, tuple[float, float]]) -> tuple[Estimate, ...]:

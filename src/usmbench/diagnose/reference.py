@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 
 _ROUNDS = 3
 _MANY_ROWS = 3000
-_PLAIN = 30.0  # a deviance that no chance explains
+_NO_CHANCE = 30.0  # a deviance that no chance explains
 
 
 def with_knowledge(model: HammersteinModel, records: Sequence[Record]) -> HammersteinModel:
@@ -71,7 +71,7 @@ def _habit(
         return ()
     problem = Problem(stretches, known, known.noise, [s.use for s in stretches], own)
     best = rank(problem, effects, 1.0)[0]
-    return best.fit.effects if best.statistic > _PLAIN else ()
+    return best.fit.effects if best.statistic > _NO_CHANCE else ()
 
 
 def measure_knowledge(stretches: Sequence[Stretch], habits: Sequence[Applied] = ()) -> Knowledge:

@@ -107,11 +107,11 @@ class Diagnosis:
     remainder
         What is left over, or None.
     minimum_detectable
-        One entry a testable cause.
+        One entry a cause that would show within its bounds.
     views
         The residual's views, the one that exceeds its band most first.
     traces
-        One a run.
+        One a stretch of a run.
     extended
         The model with the named causes; equal to the given one where none is named.
     n_windows
@@ -119,7 +119,7 @@ class Diagnosis:
     warnings
         What the user ought to know, one sentence each.
     next_experiment
-        ``{"says", "plan"}``, or None.
+        ``{"says", "plan", "odds_before", "odds_after"}``, or None.
     """
 
     verdict: Verdict

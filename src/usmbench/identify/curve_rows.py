@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from usmbench.identify.data import Dataset, Segment
 from usmbench.identify.dynamics import NONE, Dynamics
 from usmbench.identify.projected import Projected
-from usmbench.identify.robust import bisquare_weights, residual_scales
+from usmbench.identify.robust import OVER_MEDIAN, bisquare_weights, residual_scales
 from usmbench.model.linear import memory_windows
 
 Array = NDArray[np.float64]
@@ -126,7 +126,7 @@ def curve_rows(data: Dataset, point: int, rough: Projected) -> CurveRows:
 
 def _wild(residuals: Sequence[Array], pieces: Sequence[Segment]) -> list[NDArray[np.bool_]]:
     """Mark samples so far off that no curve explains them: further than a rough one's own error."""
-    scale = 1.4826 * float(np.median(np.abs(np.concatenate(residuals))))
+    scale = OVER_MEDIAN * float(np.median(np.abs(np.concatenate(residuals))))
     top = max(float(np.quantile(np.abs(s.speed_rad_s), 0.95)) for s in pieces)
     limit = max(_WILD_SCALES * scale, _WILD_SHARE * top)
     return [np.abs(residual) > limit for residual in residuals]

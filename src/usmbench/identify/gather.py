@@ -9,14 +9,12 @@ from numpy.typing import NDArray
 
 from usmbench.errors import InputError
 from usmbench.identify.data import Dataset, FittedRun, Point, Segment, describe
-from usmbench.runs.check_record import check_numbers
+from usmbench.runs.check_record import check_motors, check_numbers
 from usmbench.runs.record import Record
-from usmbench.runs.time_step import alike
+from usmbench.runs.time_step import GAP_WINDOWS, alike
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-
-_GAP = 1.5  # a step of the clock beyond so many windows is a break in the record
 
 
 def from_windows(records: Sequence[Record]) -> Dataset:
@@ -33,17 +31,18 @@ def from_windows(records: Sequence[Record]) -> Dataset:
     Raises
     ------
     InputError
-        A value that is no number, runs with different windows, no window that was driven, or a
-        phase that never changes.
+        A value that is no number, runs of different motors or windows, no window that was driven,
+        or a phase that never changes.
     """
     window_s = float(np.median(records[0].window_s))
     found: list[tuple[Point, Segment]] = []
     runs: list[FittedRun] = []
     warnings: list[str] = []
+    check_motors(records)
     for number, record in enumerate(records):
         check_numbers(record)
         _check_window(record, records[0].name, window_s)
-        jumps = np.flatnonzero(np.diff(record.t_s) > _GAP * window_s) + 1
+        jumps = np.flatnonzero(np.diff(record.t_s) > GAP_WINDOWS * window_s) + 1
         if jumps.size:
             warnings.append(
                 f"{record.name}: time jumps at {jumps.size} rows (first at row {jumps[0]}, "
@@ -72,6 +71,7 @@ def from_pairs(records: Sequence[Record]) -> Dataset:
     found: list[tuple[Point, Segment]] = []
     runs: list[FittedRun] = []
     warnings: list[str] = []
+    check_motors(records)
     for number, record in enumerate(records):
         check_numbers(record)
         phase_deg, speed_rad_s, keys = _pairs_of(record, warnings)

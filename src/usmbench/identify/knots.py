@@ -53,7 +53,7 @@ def place_knots(
     """
     grid_deg = fine_grid_deg(low_deg, high_deg)
     density = np.full(grid_deg.size, (1.0 - share) / (high_deg - low_deg))
-    for edge_deg in edges_deg:
+    for edge_deg in np.clip(edges_deg, low_deg, high_deg):
         hump = np.exp(-0.5 * ((grid_deg - edge_deg) / width_deg) ** 2)
         density += share / len(edges_deg) * hump / np.trapezoid(hump, grid_deg)
     mass = np.r_[0.0, np.cumsum(0.5 * (density[1:] + density[:-1]))]

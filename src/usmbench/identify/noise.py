@@ -10,6 +10,7 @@ from scipy.signal import lfilter
 Array = NDArray[np.float64]
 
 HIGHEST_ORDER = 10
+_EXACT = 1e-6  # share of the variance that is left
 
 
 def fit_noise(pieces: Sequence[Array], highest_order: int = HIGHEST_ORDER) -> tuple[Array, float]:
@@ -30,21 +31,43 @@ def fit_noise(pieces: Sequence[Array], highest_order: int = HIGHEST_ORDER) -> tu
         Standard deviation of the white part.
     """
     n = sum(piece.size for piece in pieces)
-    order = max(0, min(highest_order, n // 20, min(p.size for p in pieces) - 1))
-    lags = np.array([sum(float(p[k:] @ p[: p.size - k]) for p in pieces) for k in range(order + 1)])
-    covariance = lags / max(n, 1)
+    order = max(0, min(highest_order, n // 20, max(p.size for p in pieces) - 1))
+    covariance = np.zeros(order + 1)
+    for piece in pieces:
+        for k in range(min(order + 1, piece.size)):
+            covariance[k] += float(piece[k:] @ piece[: piece.size - k]) / max(n, 1)
     if covariance[0] <= 0.0:
         return np.empty(0), 0.0
-    best, least = (np.empty(0), float(covariance[0])), n * np.log(covariance[0])
-    for p in range(1, order + 1):
-        coefficients = solve_toeplitz(covariance[:p], covariance[1 : p + 1])
-        left = float(covariance[0] - coefficients @ covariance[1 : p + 1])
-        if left <= 0.0:
-            break
-        criterion = n * np.log(left) + p * np.log(n)
-        if criterion < least:
-            best, least = (coefficients, left), criterion
-    return best[0], float(np.sqrt(best[1]))
+    return autoregression(covariance, n)
+
+
+def autoregression(covariance: Array, n: float) -> tuple[Array, float]:
+    """Return the autoregressive noise with given autocovariances, its order by BIC.
+
+    Parameters
+    ----------
+    covariance
+        At each lag, shape (orders + 1,).
+    n
+        Rows that it was taken over.
+
+    Returns
+    -------
+    ar
+        Coefficients of n_t = Σ ar_i n_{t−i} + innovation, shape (p,).
+    innovation
+        Standard deviation of the innovation.
+    """
+    best, chosen = np.inf, (np.empty(0), 1.0)
+    for order in range(covariance.size):
+        ar = solve_toeplitz(covariance[:order], covariance[1 : order + 1]) if order else np.empty(0)
+        left = float(covariance[0] - ar @ covariance[1 : order + 1])
+        if not left > _EXACT * float(covariance[0]):
+            break  # no noise has these autocovariances, or the next value follows from the last
+        score = n * np.log(left) + order * np.log(max(n, 2.0))
+        if score < best:
+            best, chosen = score, (np.asarray(ar, dtype=np.float64), float(np.sqrt(left)))
+    return chosen
 
 
 def whitened(coefficients: Array, rows: Array) -> Array:

@@ -212,4 +212,4 @@ def _one_step_error(linear: LinearPart, settled_rad_s: Array, piece: Piece) -> A
     for i, a in enumerate(linear.a, start=1):
         predicted -= a * delayed(speed_rad_s, i)
     past = max(linear.a.size, linear.dead_time_windows + linear.b.size - 1)
-    return (speed_rad_s - predicted)[max(piece.before, min(past, speed_rad_s.size - 1)) :]
+    return (speed_rad_s - predicted)[max(piece.before, past) :]

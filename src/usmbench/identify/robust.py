@@ -14,6 +14,7 @@ from usmbench.identify.row_weights import RowWeights
 
 Array = NDArray[np.float64]
 
+OVER_MEDIAN = 1.4826  # standard deviation over median absolute deviation, of normal noise
 _ROUNDS = 4
 _CLOSE = 0.1  # squared distance to a minimum, in standard deviations of the estimates
 _BISQUARE = 4.685  # 95 % efficiency at the normal distribution (Huber and Ronchetti 2009)
@@ -151,7 +152,7 @@ def _scale(kind: Array, all_rows: Array) -> float:
     """
     rows = kind if kind.size >= _FEWEST else all_rows
     half, most = np.quantile(np.abs(rows), [0.5, 0.8]).tolist()
-    return max(1.4826 * float(half), float(most) / 1.2816)
+    return max(OVER_MEDIAN * float(half), float(most) / 1.2816)
 
 
 def changing_rows(phase_deg: Array, dynamics: Dynamics) -> NDArray[np.bool_]:

@@ -183,12 +183,12 @@ def _linearised(
         settled_rad_s = s.basis @ found.delta[s.point]
         start_rad_s = fitted_start_rad_s(linear, settled_rad_s, s.speed_rad_s)
         run = free_run(linear, settled_rad_s, start_rad_s)
-        moved = [family.moved(found.parameters, _NUDGE * nudge) for nudge in np.eye(3)]
+        moved = [_nudged(family, found.parameters, k) for k in range(3)]
         slopes.append(
             [
                 (free_run(family.dynamics(p).linear_part(1.0), settled_rad_s, start_rad_s) - run)
-                / _NUDGE
-                for p in moved
+                / (p - found.parameters)[k]
+                for k, p in enumerate(moved)
             ]
         )
         runs.append(run)
@@ -209,3 +209,10 @@ def _linearised(
             )
         )
     return Linearisation(pieces)
+
+
+def _nudged(family: LimitedLagFamily, parameters: Array, k: int) -> Array:
+    """Return parameters of which one is a little larger, or smaller where it is at its largest."""
+    nudge = _NUDGE * np.eye(parameters.size)[k]
+    more = family.moved(parameters, nudge)
+    return more if more[k] > parameters[k] else family.moved(parameters, -nudge)

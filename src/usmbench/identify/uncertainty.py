@@ -185,7 +185,7 @@ def dynamics_intervals(
     slopes = np.empty((centre.size, fit.parameters.size))
     for k in range(fit.parameters.size):
         nudge = _NUDGE * np.eye(fit.parameters.size)[k]
-        up, down = (family.moved(fit.parameters, side * nudge) for side in (1.0, -1.0))
+        up, down = (_within(family, fit, side * nudge) for side in (1.0, -1.0))
         slopes[:, k] = (outcome(up) - outcome(down)) / (up[k] - down[k])
     reach = _TWO_SIDED * np.linalg.norm(slopes @ spread.dynamics, axis=1)
     na = fit.dynamics.a.size
@@ -200,6 +200,16 @@ def dynamics_intervals(
         "dead_time_s": None if np.isnan(dead[0]) else np.maximum(dead, 0.0).tolist(),
         "slip_limit_rad_s": None if np.isnan(slip[0]) else np.exp(slip).tolist(),
     }
+
+
+def _within(family: Parametrised, fit: Polished, nudge: Array) -> Array:
+    """Return the fit's parameters moved, but not to where the dead time has other whole windows.
+
+    The coefficients b are those after so many windows: beyond, they are others.
+    """
+    moved = family.moved(fit.parameters, nudge)
+    whole = family.dynamics(moved).dead_time_windows
+    return moved if whole == fit.dynamics.dead_time_windows else fit.parameters
 
 
 def curve_intervals(curve: StaticCurve, root: Array) -> dict[str, Any]:

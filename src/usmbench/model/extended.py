@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from usmbench.errors import InputError
 from usmbench.model.effects.base import Context, DynamicsEffect, Effect, Stage, Values, middle_rad
 from usmbench.model.effects.registry import find_effect
 from usmbench.model.hammerstein import LinearPart
@@ -51,9 +52,7 @@ def applied_effects(entries: Sequence[Mapping[str, Any]]) -> tuple[Applied, ...]
     Raises
     ------
     usmbench.errors.InputError
-        A cause that is not installed.
-    ValueError
-        A parameter is missing.
+        A cause that is not installed, or a parameter is missing.
     """
     found = []
     for entry in entries:
@@ -61,7 +60,9 @@ def applied_effects(entries: Sequence[Mapping[str, Any]]) -> tuple[Applied, ...]
         given = entry.get("parameters") or {}
         missing = [p.name for p in effect.parameters if p.name not in given]
         if missing:
-            raise ValueError(f"effect {effect.name} has no {missing[0]}")
+            raise InputError(
+                f"the model's effect {effect.name} lacks {missing[0]}; give it among its parameters"
+            )
         found.append(Applied(effect, {p.name: float(given[p.name]) for p in effect.parameters}))
     return tuple(found)
 

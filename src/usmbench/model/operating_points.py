@@ -42,14 +42,15 @@ def point_weights(
     Raises
     ------
     InputError
-        Several points, and nothing that says at which the run was.
+        Points that differ in what the run does not say.
     """
     nodes = np.array([[p.frequency_hz or 0.0, p.torque_nm or 0.0] for p in points])
-    if frequency_hz is None and torque_nm is None and len(points) > 1:
-        raise InputError(
-            f"the model has {len(points)} operating points and the run has neither frequency_hz "
-            "nor torque_nm; add those columns to the run"
-        )
+    for name, column, values in (("frequency_hz", 0, frequency_hz), ("torque_nm", 1, torque_nm)):
+        if values is None and np.ptp(nodes[:, column]) > 0.0:
+            raise InputError(
+                f"the model has several operating points, and the run has no {name} to say at "
+                "which it was; add that column to the run"
+            )
     asked = np.tile(nodes[0], (n, 1))
     for column, (values, known) in enumerate(
         [(frequency_hz, points[0].frequency_hz), (torque_nm, points[0].torque_nm)]

@@ -1,11 +1,13 @@
-"""Rows that no command can take, refused in one way."""
+"""Rows that no command can take, and runs that do not belong together, refused in one way."""
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from usmbench.errors import InputError
 from usmbench.runs.record import Record
 
-_COLUMNS = ("t_s", "phase_deg", "speed_rad_s", "frequency_hz", "torque_nm")
+_COLUMNS = ("t_s", "phase_deg", "speed_rad_s", "frequency_hz", "torque_nm", "angle_rad")
 
 
 def check_numbers(record: Record) -> None:
@@ -31,3 +33,22 @@ def check_numbers(record: Record) -> None:
         raise InputError(
             f"{record.name}: {name} of row {row} is {column[row]}; remove the row or mend it"
         )
+
+
+def check_motors(records: Sequence[Record]) -> None:
+    """Refuse runs of different motors.
+
+    Parameters
+    ----------
+    records
+        The runs.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        They name more than one motor.
+    """
+    motors = {str(r.meta["motor"]): r.name for r in records if r.meta.get("motor") is not None}
+    if len(motors) > 1:
+        said = "; ".join(f"{name} is of {motor}" for motor, name in motors.items())
+        raise InputError(f"these runs do not belong together: {said}; take one motor at a time")

@@ -20,6 +20,7 @@ from usmbench.runs.meta import read_meta
 from usmbench.runs.record import Column, Pairs, Record
 from usmbench.runs.time_step import UNKNOWN_S, usual_step_s
 
+_CLOCK_S = 1e8  # three years: no run has lasted so long
 _NEEDED = ("phase_deg", "speed_rad_s")
 _OPTIONAL = ("frequency_hz", "torque_nm", "angle_rad", "sweep", "settled")
 _KNOWN = ("t_s", *_NEEDED, "window_s", *_OPTIONAL, TEMPERATURE_COLUMN)
@@ -37,8 +38,9 @@ def read_run(path: Path | str) -> Record:
     -------
     Record
         The run. Where the file has none, `window_s` comes from run.yaml's encoder, else from the
-        usual step of `t_s`, else it is 0.01 s; `t_s` of a bare CSV adds up the windows; the pairs
-        are derived from the windows.
+        usual step of `t_s`, else it is 0.01 s; `t_s` of a bare CSV adds up the windows, and is
+        counted from the first one where it is the time of a clock; the pairs are derived from the
+        windows.
 
     Raises
     ------
@@ -58,6 +60,8 @@ def read_run(path: Path | str) -> Record:
     window_s = _window_s(path, table, columns, meta)
     t_s = columns["t_s"] if "t_s" in columns else np.cumsum(window_s)
     _rising(table, t_s)
+    if not whole and t_s.size and t_s[0] > _CLOCK_S:
+        t_s = t_s - t_s[0] + window_s[0]
     optional = {name: columns.get(name) for name in _OPTIONAL}
     pairs = _read_pairs(path / PAIRS_FILE) if whole else None
     return Record(

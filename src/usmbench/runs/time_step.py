@@ -7,6 +7,7 @@ from usmbench.runs.record import Column
 UNKNOWN_S = 0.01  # the paper's windows, where a single row tells nothing
 # Clocks that jitter differ by a part in a thousand; by this, a lag's exp(−T/τ) by 0.005/e at most.
 _ALIKE = 5e-3
+GAP_WINDOWS = 1.5  # a step of the clock beyond so many windows is a break in the record
 _NEAR = (0.5, 1.5)  # of the median: what is outside is a break in the record
 
 

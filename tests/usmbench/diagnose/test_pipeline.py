@@ -337,3 +337,13 @@ def test_what_predicts_worse_is_no_name(
 @pytest.mark.parametrize(("after", "worse"), [(0.1, False), (0.101, False), (0.103, True)])
 def test_a_little_worse_is_chance(after: float, worse: bool) -> None:
     assert Gain(0.1, after, 0.05, 0.0, 0.0, 0.0).worse == worse
+
+
+@pytest.mark.parametrize(
+    "phases_deg", [[0.0], [60.0], [40.0, 40.0, 80.0, 80.0], [20.0, 80.0, 50.0]]
+)
+def test_a_healthy_run_of_hardly_any_phases_is_judged(
+    model: HammersteinModel, phases_deg: list[float]
+) -> None:
+    record = driven(np.tile(phases_deg, 1200 // len(phases_deg)), 5)
+    assert diagnose([record], model).causes == ()

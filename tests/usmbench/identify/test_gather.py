@@ -69,3 +69,9 @@ def test_a_constant_phase_at_one_point_is_refused(measure: Measure) -> None:
     phase_deg = np.where(record.t_s > 2.505, 30.0, record.phase_deg)
     with pytest.raises(InputError, match="the phase is 30° throughout at 42000 Hz"):
         from_windows([replace(record, phase_deg=phase_deg, frequency_hz=frequency_hz)])
+
+
+def test_runs_of_two_motors_are_refused(measure: Measure) -> None:
+    runs = [replace(measure(seed=k), meta={"motor": f"USR60 #{k}"}) for k in (1, 2)]
+    with pytest.raises(InputError, match="do not belong together: run 1 is of USR60 #1"):
+        from_windows(runs)

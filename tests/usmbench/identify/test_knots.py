@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from usmbench.identify.knots import dead_zone_deg, knees_deg
+from usmbench.identify.knots import dead_zone_deg, knees_deg, place_knots
 from usmbench.identify.selection import prior_rows
 from usmbench.model.bernstein import bernstein_basis
 from usmbench.model.hammerstein import StaticCurve
@@ -40,3 +40,9 @@ def test_a_speed_that_rises_to_the_end_has_none() -> None:
 
 def test_a_motor_that_never_turns_has_none() -> None:
     assert knees_deg(GRID_DEG, np.zeros(GRID_DEG.size), (0.0,)) == ()
+
+
+def test_an_edge_far_outside_gathers_knots_at_the_end() -> None:
+    knots_deg = place_knots(0.0, 90.0, 8, (-19.0,), 0.9, 0.45)
+    assert np.all(np.diff(knots_deg) > 0.0)
+    assert np.allclose(knots_deg, place_knots(0.0, 90.0, 8, (0.0,), 0.9, 0.45))

@@ -70,3 +70,14 @@ def test_averages_of_whole_steps_stay_averages(curve: StaticCurve, n_steps: int)
     assert not lag.sampled
     assert lag.tau_s == pytest.approx(0.005, rel=0.02)
     assert found.to_json()["dead_time_s"] == 0.0
+
+
+def test_less_noise_never_widens_the_intervals_of_a_dead_time_of_a_whole_window(
+    curve: StaticCurve,
+) -> None:
+    def half_widths(noise_rad_s: float) -> float:
+        found = identify_fast([_sampled(curve, 0.4, 1, noise_rad_s)], FastOptions())
+        ends = np.array(found.model.intervals["b"])
+        return float(np.max(ends[:, 1] - ends[:, 0]))
+
+    assert half_widths(1e-4) < half_widths(1e-3) < half_widths(1e-2) < 0.01

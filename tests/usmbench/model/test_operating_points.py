@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from usmbench.errors import InputError
 from usmbench.model.hammerstein import OperatingPoint, StaticCurve
 from usmbench.model.operating_points import places_among, point_weights, slope_table
 
@@ -79,3 +80,26 @@ def test_places_tell_torque_from_frequency() -> None:
 
 def test_points_that_differ_in_nothing_have_no_place() -> None:
     assert places_among(_points((None, 0.0)), [np.ones(3)]) == ()
+
+
+@pytest.mark.parametrize(
+    ("where", "given", "missing"),
+    [
+        ([(41_000.0, 0.0), (41_500.0, 0.0)], {"torque_nm": np.zeros(3)}, "frequency_hz"),
+        ([(41_000.0, 0.0), (41_000.0, 0.2)], {"frequency_hz": np.full(3, 41e3)}, "torque_nm"),
+        ([(41_000.0, 0.0), (41_500.0, 0.2)], {}, "frequency_hz"),
+    ],
+)
+def test_a_run_that_does_not_say_where_it_was_is_refused(
+    where: list[tuple[float, float]], given: dict[str, np.ndarray], missing: str
+) -> None:
+    asked = {"frequency_hz": None, "torque_nm": None, **given}
+    with pytest.raises(InputError, match=f"the run has no {missing}"):
+        point_weights(_points(*where), 3, **asked)
+
+
+def test_what_all_points_share_need_not_be_said() -> None:
+    points = _points((41_000.0, 0.1), (41_500.0, 0.1))
+    weights, outside = point_weights(points, 1, np.array([41_250.0]), None)
+    assert np.allclose(weights, 0.5)
+    assert not outside.any()

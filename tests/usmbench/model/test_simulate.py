@@ -60,7 +60,7 @@ def test_one_point_serves_a_run_that_does_not_say_where_it_was() -> None:
 
 
 def test_several_points_need_to_be_told_which() -> None:
-    with pytest.raises(InputError, match="6 operating points and the run has neither"):
+    with pytest.raises(InputError, match="the run has no frequency_hz"):
         simulate(GRID, np.zeros(3))
 
 

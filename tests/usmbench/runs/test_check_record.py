@@ -18,7 +18,9 @@ def test_numbers_are_taken() -> None:
     check_numbers(replace(RECORD, torque_nm=np.zeros(5)))
 
 
-@pytest.mark.parametrize("column", ["t_s", "phase_deg", "speed_rad_s", "frequency_hz", "torque_nm"])
+@pytest.mark.parametrize(
+    "column", ["t_s", "phase_deg", "speed_rad_s", "frequency_hz", "torque_nm", "angle_rad"]
+)
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 def test_what_is_no_number_is_refused_by_its_row(column: str, value: float) -> None:
     values = np.r_[1.0, 2.0, value, 4.0, 5.0]

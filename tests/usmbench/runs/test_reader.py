@@ -284,3 +284,14 @@ def test_a_long_run_is_read_whole(tmp_path: Path) -> None:
     assert len(run.t_s) == 100_000
     assert run.pairs is not None
     assert len(run.pairs.t_s) == pytest.approx(1001, abs=1)
+
+
+@pytest.mark.parametrize(("begins_s", "first_s"), [(1.7e9, 0.01), (120.0, 120.0)])
+def test_a_clocks_time_is_counted_from_the_first_row(
+    tmp_path: Path, begins_s: float, first_s: float
+) -> None:
+    rows = "".join(f"{begins_s + 0.01 * k:.2f},{k},{k}\n" for k in range(20))
+    (tmp_path / "clock.csv").write_text("t_s,phase_deg,speed_rad_s\n" + rows)
+    record = read_run(tmp_path / "clock.csv")
+    assert record.t_s[0] == pytest.approx(first_s, abs=1e-5)
+    assert record.t_s[-1] - record.t_s[0] == pytest.approx(0.19, abs=1e-5)

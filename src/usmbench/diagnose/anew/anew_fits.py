@@ -8,14 +8,13 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.anew.through_counter import Estimated, fit_through
 from usmbench.diagnose.cutting.stretches import Mask, Stretch
+from usmbench.diagnose.fitting.blocks import FOLDS, held_out
 from usmbench.identify.selection import DEGREES
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel, StaticCurve
 
 Array = NDArray[np.float64]
-
-FOLDS, BLOCKS = 4, 12
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,24 +124,14 @@ def judge(stretches: Sequence[Stretch], fit: Estimated) -> Judged:
     unseen, folds = [left.copy() for left in fit.left_rad_s], []
     every = _rows(stretches, fit.curve)
     for k in range(FOLDS):
-        held = [block_of(s) % FOLDS == k for s in stretches]
+        held = [held_out(s, k) for s in stretches]
+        # No gap around them: the blocks of a short run of slow dynamics are hardly longer than one.
         seen = [rows & ~left_out for rows, left_out in zip(every, held, strict=True)]
         folds.append(fit_through(stretches, seen, fit))
         for own, left, rows in zip(unseen, folds[-1].left_rad_s, held, strict=True):
             own[rows] = left[rows]
     left = np.concatenate([own[s.use] for s, own in zip(stretches, unseen, strict=True)])
     return Judged(fit, tuple(folds), tuple(unseen), float(np.mean(left**2)))
-
-
-def block_of(stretch: Stretch) -> NDArray[np.int64]:
-    """Return the number of each row's contiguous block.
-
-    Parameters
-    ----------
-    stretch
-        The stretch.
-    """
-    return np.arange(stretch.context.n) * BLOCKS // stretch.context.n
 
 
 def _rows(stretches: Sequence[Stretch], curve: StaticCurve) -> list[Mask]:

@@ -14,10 +14,7 @@ from numpy.typing import NDArray
 from scipy.stats import t, ttest_1samp
 
 from usmbench.diagnose.anew.anew_fits import (
-    BLOCKS,
-    FOLDS,
     Judged,
-    block_of,
     fits_beneath,
     judge,
     plain_fits,
@@ -25,6 +22,7 @@ from usmbench.diagnose.anew.anew_fits import (
 from usmbench.diagnose.anew.through_counter import Estimated
 from usmbench.diagnose.cutting.stretches import Stretch, first_windows
 from usmbench.diagnose.evidence import Estimate, NamedCause
+from usmbench.diagnose.fitting.blocks import BLOCKS, FOLDS, block_of
 from usmbench.diagnose.fitting.gain import Gain, gain_of_blocks
 from usmbench.diagnose.naming.ranking import SIGNIFICANT
 from usmbench.diagnose.naming.remainder import describe
@@ -128,7 +126,8 @@ class Anew:
                 [fold.applied.values[p.name] for fold in self.judged.folds if fold.applied]
             )
             half = share * float(np.linalg.norm(others - others.mean()))
-            yield Estimate(p.name, value, max(value - half, p.low), value + half, p.unit)
+            low, high = max(value - half, p.low), min(value + half, p.high)
+            yield Estimate(p.name, value, low, high, p.unit)
 
     def _trace(self, trace: Trace) -> Trace:
         """Show the model as given beside the new one."""

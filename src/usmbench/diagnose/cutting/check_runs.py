@@ -39,25 +39,6 @@ def check_run(record: Record, model: HammersteinModel) -> None:
     check_windows(record.name, float(np.median(record.window_s)), model.linear)
 
 
-def check_motors(records: Sequence[Record]) -> None:
-    """Refuse runs of different motors.
-
-    Parameters
-    ----------
-    records
-        The runs.
-
-    Raises
-    ------
-    usmbench.errors.InputError
-        They name more than one motor.
-    """
-    motors = {str(r.meta["motor"]): r.name for r in records if r.meta.get("motor") is not None}
-    if len(motors) > 1:
-        said = "; ".join(f"{name} is of {motor}" for motor, name in motors.items())
-        raise InputError(f"these runs do not belong together: {said}; diagnose one motor at a time")
-
-
 def check_outside(record: Record, outside: NDArray[np.bool_], warnings: list[str]) -> None:
     """Refuse a run mostly outside the model's range; warn of a few rows.
 

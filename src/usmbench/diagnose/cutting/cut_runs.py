@@ -7,11 +7,10 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.check_runs import (
     check_enough,
-    check_motors,
     check_outside,
     check_run,
 )
-from usmbench.diagnose.cutting.stretches import Before, Mask, Stretch
+from usmbench.diagnose.cutting.stretches import Before, Mask, Stretch, came_from
 from usmbench.diagnose.cutting.tabled_curve import NODES_DEG, TabledCurve
 from usmbench.model.effects.base import Context
 from usmbench.model.extended import Applied, extended_run
@@ -21,16 +20,16 @@ from usmbench.model.mixed_curve import beyond_range
 from usmbench.model.operating_points import places_among, point_weights
 from usmbench.model.replay import middle_angle_rad
 from usmbench.model.resonance_slope import point_slopes
+from usmbench.runs.check_record import check_motors
 from usmbench.runs.dwells import dwell_begin
 from usmbench.runs.record import Record
+from usmbench.runs.time_step import GAP_WINDOWS
 
 Array = NDArray[np.float64]
 
-_GAP = 1.5  # a step of the clock beyond so many windows is a break in the record
 _LONGEST_START = 50
 _MOST_WINDOWS = 40_000  # more add time and memory, and hardly power
-_BLOCK = 2000
-_FASTEST_RAD_S = 1e3  # beyond any step
+_BLOCK, _LEAST_BLOCK = 2000, 400
 
 
 def cut_runs(
@@ -65,7 +64,10 @@ def cut_runs(
     check_motors(records)
     for record in records:
         check_run(record, model)
-    keep = min(1.0, _MOST_WINDOWS / sum(record.t_s.size for record in records))
+    sizes = [record.t_s.size for record in records]
+    gaps = [GAP_WINDOWS * float(np.median(record.window_s)) for record in records]
+    jumps = [np.flatnonzero(np.diff(r.t_s) > g) + 1 for r, g in zip(records, gaps, strict=True)]
+    pieces = _pieces(sizes, jumps, min(1.0, _MOST_WINDOWS / sum(sizes)))
     for run, record in enumerate(records):
         angle_rad = middle_angle_rad(record)
         weights, outside = point_weights(
@@ -74,9 +76,8 @@ def cut_runs(
         outside |= beyond_range(model.points, weights, record.phase_deg)
         check_outside(record, outside, warnings)
         window_s = float(np.median(record.window_s))
-        jumps = np.flatnonzero(np.diff(record.t_s) > _GAP * window_s) + 1
         so_far = _sums_so_far(record, weights, speeds)
-        for rows in _pieces(record.t_s.size, jumps, keep):
+        for rows in pieces[run]:
             phase_deg, points = record.phase_deg[rows], tuple(w[rows] for w in weights)
             context = Context(
                 record.t_s[rows],
@@ -85,7 +86,6 @@ def cut_runs(
                 TabledCurve(speeds, points, phase_deg),
                 model.linear,
                 angle_rad[rows],
-                None if record.temperature_c is None else record.temperature_c[rows],
                 None if slopes is None else TabledCurve(slopes, points, phase_deg),
                 None if record.count_rad is None else record.count_rad / window_s,
             )
@@ -97,18 +97,24 @@ def cut_runs(
     return stretches, warnings
 
 
-def _pieces(n: int, jumps: NDArray[np.int64], keep: float) -> list[NDArray[np.int64]]:
-    """Rows of the stretches; of a very long run blocks spread evenly over it, ends and all."""
-    stretches = np.split(np.arange(n), jumps)
-    if keep >= 1.0:
-        return [rows for rows in stretches if rows.size > _LONGEST_START]
-    pieces = []
-    for rows in stretches:
-        count = max(1, round(keep * rows.size / _BLOCK))
-        size = min(round(keep * rows.size / count), rows.size)
-        begins = np.linspace(0, rows.size - size, count).astype(int)
-        pieces += [rows[begin : begin + size] for begin in begins if size > _LONGEST_START]
-    return pieces
+def _pieces(
+    sizes: Sequence[int], jumps: Sequence[NDArray[np.int64]], keep: float
+) -> list[list[NDArray[np.int64]]]:
+    """Rows of each run's stretches; of very many, blocks spread evenly over them, ends and all."""
+    every: list[list[NDArray[np.int64]]] = []
+    owed = 0.0
+    for n, at in zip(sizes, jumps, strict=True):
+        every.append([])
+        for rows in np.split(np.arange(n), at):
+            owed += keep * rows.size
+            count = max(1, round(owed / _BLOCK)) if keep < 1.0 else 1
+            size = min(round(owed / count), rows.size) if keep < 1.0 else rows.size
+            if size <= _LONGEST_START or size < min(_LEAST_BLOCK, rows.size):
+                continue  # the next ones give more
+            owed -= count * size
+            begins = np.linspace(0, rows.size - size, count).astype(int)
+            every[-1] += [rows[begin : begin + size] for begin in begins]
+    return every
 
 
 def _sums_so_far(record: Record, weights: Sequence[Array], speeds: Sequence[Array]) -> Array:
@@ -148,15 +154,7 @@ def _stretch(
         lag,
         step_rad_s,
         np.sign(np.diff(context.phase_deg, prepend=context.phase_deg[:1]))[last],
-        _jump(simulated.settled_rad_s, step_rad_s, lag),
+        np.unique(came_from(simulated.settled_rad_s, step_rad_s, lag), return_inverse=True)[1],
         rows - unknown > memory,
         *at,
     )
-
-
-def _jump(settled_rad_s: Array, step_rad_s: Array, lag: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return a number for what came before each row; a plan that repeats it errs the same way."""
-    # One complex key sorts many times as fast as rows of three numbers.
-    key = settled_rad_s + 1j * (step_rad_s + _FASTEST_RAD_S * lag)
-    _, numbers = np.unique(np.round(key, 6), return_inverse=True)
-    return np.asarray(numbers, dtype=np.int64)

@@ -18,6 +18,7 @@ from usmbench.model.extended import Applied, extended_run
 Array = NDArray[np.float64]
 
 _PLAIN = 300.0  # chi-squared with two: neither chance nor what else the model misses
+_SAME = 4.0  # standard deviations of a phase
 _ALIKE = 1.5  # times the strongest one's ripple, or less by as much
 _SETTLED, _TURNING = 2, 0.1  # windows after a step; of the highest speed
 _TRIED = 16  # angles of a revolution
@@ -54,7 +55,9 @@ def at_one_angle(stretches: Sequence[Stretch]) -> tuple[list[Stretch], list[str]
         for r, ripple in found.items()
         if ripple.statistic > _PLAIN and share / _ALIKE < ripple.share < share * _ALIKE
     }
-    if len(turned) < 2:
+    plainly = _SAME / np.sqrt(min((found[r].statistic for r in turned), default=1.0))
+    apart = (abs(np.angle(np.exp(1j * by_rad))) for by_rad in turned.values())
+    if not any(by_rad > plainly for by_rad in apart):
         return list(stretches), []
     named = next(s.name for s in stretches if s.run == first)
     warning = (

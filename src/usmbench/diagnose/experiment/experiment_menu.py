@@ -54,7 +54,7 @@ def _passes(where: Range) -> Iterator[tuple[str, Document]]:
         },
     )
     steps = windows // (4 * _SHORTEST_DWELL)
-    fine, coarse = (_even(where.low_deg, where.high_deg, n) for n in (steps, max(steps // 4, 2)))
+    fine, coarse = (_even(where.low_deg, where.high_deg, max(n, 2)) for n in (steps, steps // 4))
     two = [
         {"phase_deg": fine, "direction": "both"},
         {"phase_deg": coarse, "direction": "both", "repeats": 4},
@@ -69,11 +69,12 @@ def _passes(where: Range) -> Iterator[tuple[str, Document]]:
         max(where.low_deg, low_deg - reach_deg),
         min(where.high_deg, high_deg + reach_deg),
     )
-    near = {"phase_deg": _even(low_deg, high_deg, _STAIRS), "direction": "both", "repeats": 2}
-    yield (
-        "small steps through the dead zone, to and fro",
-        {"passes": [near], "dwell": _dwell(max(windows // (4 * _STAIRS), _SHORTEST_DWELL))},
-    )
+    if low_deg < high_deg:
+        near = {"phase_deg": _even(low_deg, high_deg, _STAIRS), "direction": "both", "repeats": 2}
+        yield (
+            "small steps through the dead zone, to and fro",
+            {"passes": [near], "dwell": _dwell(max(windows // (4 * _STAIRS), _SHORTEST_DWELL))},
+        )
     if len(where.torque_nm) > 1:
         torques_nm = sorted(where.torque_nm)
         loads = {"torque_nm": torques_nm, "load": "operator"}

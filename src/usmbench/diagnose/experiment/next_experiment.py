@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 from scipy.stats import norm
 
-from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.stretches import first_windows
 from usmbench.diagnose.evidence import Candidate, Estimate, NamedCause
 from usmbench.diagnose.experiment.experiment_menu import menu
@@ -24,14 +23,16 @@ from usmbench.diagnose.experiment.experiment_range import range_of
 from usmbench.diagnose.experiment.proposal import Experiment, planned_record
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.refining import refine
+from usmbench.diagnose.fitting.robust import robust_spread
 from usmbench.diagnose.known.knowledge import Knowledge, knowledge_of
 from usmbench.diagnose.naming.ranking import telling_deviance
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.noise.noise_model import Noise
+from usmbench.diagnose.residual.own_effects import cut_beside_own, own_effects
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.result import Diagnosis
 from usmbench.model.effects.registry import find_effect
-from usmbench.model.extended import Applied, applied_effects
+from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.runs.record import Record
 
@@ -150,10 +151,10 @@ class _Design:
 
     def __init__(self, question: Question, records: Sequence[Record], model: HammersteinModel):
         self._question, self._model = question, model
-        self._own = applied_effects(model.effects)
+        self._own = own_effects(model)
         self._known: Knowledge = knowledge_of(model)
         self._window_s = float(np.median(records[0].window_s))
-        stretches, _ = cut_runs(records, model, self._own)
+        stretches, _ = cut_beside_own(records, model)
         self._stretches = first_windows(stretches, _MOST_WINDOWS)
         effects = (*(rival for rival in question.rivals[:1] if rival), *question.given)
         self._noise, self._spread = self._settled_noise(effects)
@@ -169,15 +170,14 @@ class _Design:
         left = problem.left_rad_s(effects)
         noise = self._known.noise or estimate_noise(stretches, left, uses)
         white = problem.weighed(noise, uses).carried(left)
-        rows = white[: problem.n_rows]
-        return noise, max(1.0, 1.4826 * float(np.median(np.abs(rows))))
+        return noise, robust_spread(white[: problem.n_rows])
 
     def margin(self, experiment: Experiment | None) -> float:
         """Return how far the closest two lie apart, with one more run or without."""
         stretches = list(self._stretches)
         if experiment is not None:
             record = planned_record(experiment.plan, self._model, self._window_s)
-            new, _ = cut_runs([record], self._model, self._own)
+            new, _ = cut_beside_own([record], self._model)
             run = 1 + max(s.run for s in stretches)
             stretches += [replace(s, run=run) for s in new]
         uses = [s.use for s in stretches]

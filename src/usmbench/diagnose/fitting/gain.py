@@ -7,16 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Mask
+from usmbench.diagnose.fitting.blocks import BLOCKS, FOLDS, block_of, held_out, unseen_from
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.refining import refine
 from usmbench.diagnose.residual.problem import Problem
-from usmbench.model.linear import memory_windows
 
 Array = NDArray[np.float64]
 
-_FOLDS = 4
-_MARGIN = 5  # windows beyond the memory of the dynamics
-_BLOCKS = 12
 _DRAWS = 400
 _SEED = 1
 _WORSE = 1.04  # times the mean square: what explains by the whitened residual has to predict, too
@@ -65,22 +62,22 @@ def held_out_gain(problem: Problem, fit: Fit, struck: Sequence[Mask] = ()) -> Ga
         each; then the model as given has to answer for all that do. Empty for no such name.
     """
     held = [s.residual_rad_s.copy() for s in problem.stretches]
-    blocks = _blocks(problem)
     for fold, refit in _refits(problem, fit):
         for k, change in enumerate(problem.change_rad_s(refit.effects)):
-            rows = blocks[k] % _FOLDS == fold
+            rows = held_out(problem.stretches[k], fold)
             held[k][rows] -= change[rows]
     sums = []
     alone = struck or [np.zeros_like(mask) for mask in problem.masks]
     masks = [mask & ~a for mask, a in zip(problem.masks, alone, strict=True)]
-    for stretch, after, mask, block in zip(problem.stretches, held, masks, blocks, strict=True):
+    for stretch, after, mask in zip(problem.stretches, held, masks, strict=True):
+        block = block_of(stretch)
         level = problem.noise.level_rad_s(replace(stretch, moment_rad_s=0.0))
         scored = stretch.use & mask
         plain = stretch.use if struck else scored
         sums.append(
             np.array(
                 [
-                    np.bincount(block[rows], weights=values[rows], minlength=_BLOCKS)
+                    np.bincount(block[rows], weights=values[rows], minlength=BLOCKS)
                     for rows, values in (
                         (plain, stretch.residual_rad_s**2),
                         (scored, after**2),
@@ -125,10 +122,10 @@ def held_out_drop(problem: Problem, fit: Fit) -> Array:
     fit
         The effects at their values on all rows.
     """
-    drop = np.zeros(_FOLDS)
+    drop = np.zeros(FOLDS)
     for fold, refit in _refits(problem, fit):
         unseen = problem.with_masks(
-            [m & (b % _FOLDS == fold) for m, b in zip(problem.masks, _blocks(problem), strict=True)]
+            [m & held_out(s, fold) for m, s in zip(problem.masks, problem.stretches, strict=True)]
         )
         drop[fold] = unseen.drop(refit.effects)
     return drop
@@ -139,12 +136,9 @@ def _refits(problem: Problem, fit: Fit) -> Iterator[tuple[int, Fit]]:
 
     Rows that the dynamics tie to the fold are left out of the fit, too.
     """
-    gap = memory_windows(problem.stretches[0].context.linear) + _MARGIN
-    for fold in range(_FOLDS) if fit.effects else ():
-        masks = [
-            mask & ~_widened(block % _FOLDS == fold, gap)
-            for mask, block in zip(problem.masks, _blocks(problem), strict=True)
-        ]
+    for fold in range(FOLDS) if fit.effects else ():
+        pairs = zip(problem.masks, problem.stretches, strict=True)
+        masks = [mask & ~unseen_from(stretch, fold) for mask, stretch in pairs]
         yield fold, refine(problem.with_masks(masks), fit)
 
 
@@ -157,15 +151,3 @@ def _shares(table: Array) -> tuple[Array, float]:
     above = ms[0] - floor
     gain = (ms[0] - ms[1]) / above if above > 1e-12 else 0.0
     return np.array([ms[0], ms[1], floor]), float(np.clip(gain, 0.0, 1.0))
-
-
-def _blocks(problem: Problem) -> list[NDArray[np.int64]]:
-    """Return the number of each row's contiguous block."""
-    return [np.arange(s.context.n) * _BLOCKS // s.context.n for s in problem.stretches]
-
-
-def _widened(rows: Mask, gap: int) -> Mask:
-    """Add the rows within a gap of those that are set."""
-    reach = np.convolve(rows.astype(np.float64), np.ones(2 * gap + 1), mode="full")
-    wide: Mask = reach[gap : gap + rows.size] > 0.5
-    return wide

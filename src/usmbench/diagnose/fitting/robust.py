@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.residual.problem import Problem
+from usmbench.identify.robust import OVER_MEDIAN
 
 Array = NDArray[np.float64]
 
@@ -25,7 +26,7 @@ def huber_weights(problem: Problem, left_rad_s: Sequence[Array]) -> list[Array]:
         What is left of each stretch, shape (N,).
     """
     white = np.abs(problem.carried(left_rad_s)[: problem.n_rows])
-    scale = max(1.4826 * float(np.median(white)), 1.0)
+    scale = robust_spread(white)
     kept = np.sqrt(np.minimum(1.0, _HUBER * scale / np.maximum(white, 1e-12)))
     weights, at = [], 0
     for valid in problem.valid:
@@ -35,3 +36,14 @@ def huber_weights(problem: Problem, left_rad_s: Sequence[Array]) -> list[Array]:
         weights.append(weight)
         at += n
     return weights
+
+
+def robust_spread(white: Array) -> float:
+    """Return the standard deviation of whitened rows about 0, by their median; at least 1.
+
+    Parameters
+    ----------
+    white
+        The rows, shape (M,).
+    """
+    return max(OVER_MEDIAN * float(np.median(np.abs(white))), 1.0)

@@ -180,6 +180,8 @@ def departures(stretch: Stretch, warms_rad_s: Array, habits: Sequence[Applied]) 
 
 def _stronger(stretch: Stretch, habits: Sequence[Applied]) -> Array:
     """Return the change of speed for each share by which habits are stronger, shape (N,)."""
+    if not habits:
+        return np.zeros(stretch.context.n)
     more = [replace(h, values={**h.values, **_further(h)}) for h in habits]
     usual, stronger = (extended_run(e, stretch.context).speed_rad_s for e in (habits, more))
     return (stronger - usual) / _STEP

@@ -1,17 +1,17 @@
 """What a search for causes came to, and whether its names may stand."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.fitting.fit import Fit
+from usmbench.diagnose.fitting.fit import NOTHING, Fit
 from usmbench.diagnose.naming.chance import chancy_of, leaves_scatter
 from usmbench.diagnose.naming.ranking import NO_CHANCE, Ranked
 from usmbench.diagnose.naming.remainder import LOUD
 from usmbench.diagnose.naming.sporadic import Sporadic
 from usmbench.diagnose.residual.problem import Problem
-from usmbench.diagnose.residual.whole import PLAINLY, Whole, verdict
+from usmbench.diagnose.residual.whole import LEFT_PARTLY, PLAINLY, Whole, verdict
 from usmbench.diagnose.result import Verdict
 
 Array = NDArray[np.float64]
@@ -19,7 +19,6 @@ Array = NDArray[np.float64]
 _MOST_NAMED = 2  # where a third earns its place, too, it is more likely that none is the cause
 # What has no name is a finding only from half the noise's rms on; a name must earn its own place.
 _LEAST_EXCESS = 0.25
-_MOST_LEFT = 0.4  # as a share; what verdict() calls partly explained ends there, too
 _GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by a tenth
 _TRIFLE = 0.01  # of what there was: what a form of an effect may be off by
 _MOSTLY = 0.5  # of what is off
@@ -85,7 +84,7 @@ class Found:
         loud = self.spread**2 if self.spread > LOUD else 1.0
         beyond = loud * (self.beyond_noise + n) - n
         left = beyond - loud * self.explained
-        return left > _MOST_LEFT * max(beyond, 0.0) and left > _GROSS * n
+        return left > LEFT_PARTLY * max(beyond, 0.0) and left > _GROSS * n
 
     @property
     def patched(self) -> bool:
@@ -122,6 +121,14 @@ class Found:
     def leaves_more(self) -> bool:
         """Whether the views show more of what is left than the names explain."""
         return self.after.p_value < PLAINLY and self.after.excess > self.explained
+
+    @property
+    def without_names(self) -> "Found":
+        """The same where no name stands: of a motor that does not show what was named."""
+        if not self.named:
+            return self
+        problem = self.problem.showing(())
+        return replace(self, problem=problem, named=[], fit=NOTHING, after=self.before)
 
     @property
     def left_rad_s(self) -> list[Array]:

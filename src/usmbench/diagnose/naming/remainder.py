@@ -19,7 +19,7 @@ _VERSUS = {"gain over time": "time"}  # views of one thing
 LOUD = 1.5  # times the noise of the model's runs, from which on it is a finding by itself
 
 
-def describe(views: Sequence[View], spread: float) -> Remainder | None:
+def describe(views: Sequence[View], spread: float) -> Remainder:
     """Return the view that exceeds its band most after the extension.
 
     Parameters
@@ -29,8 +29,6 @@ def describe(views: Sequence[View], spread: float) -> Remainder | None:
     spread
         Standard deviation of the noise that no view shows, over that of the model's runs.
     """
-    if not views:
-        return None
     worst = max(views, key=lambda view: view.excess_after)
     if spread > LOUD and worst.excess_after < LOUD:
         return Remainder(

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from scipy.stats import poisson
 
-from usmbench.diagnose.cutting.stretches import Mask
+from usmbench.diagnose.cutting.stretches import Mask, came_from
 from usmbench.diagnose.evidence import Estimate, NamedCause
 from usmbench.diagnose.naming.chance import chancy_of, struck_by
 from usmbench.diagnose.naming.ranking import SIGNIFICANT, TELLING
@@ -86,7 +86,8 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
         np.concatenate(far)[rows],
         problem.stretches[0].context.window_s,
     )
-    places = np.unique(np.concatenate([s.jump for s in problem.stretches])[rows][windows.alone])
+    before = [came_from(s.settled_rad_s, s.step_rad_s, s.lag) for s in problem.stretches]
+    places = np.unique(np.concatenate(before)[rows][windows.alone])
     p_value = _p_value(windows, problem.known.spikes_hz)
     if places.size < _FEWEST or p_value > SIGNIFICANT:
         return None

@@ -3,12 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from usmbench.diagnose.fitting.fit import NOTHING, Fit
 from usmbench.diagnose.fitting.gain import held_out_drop
 from usmbench.diagnose.fitting.refining import refine, refine_widely
-from usmbench.diagnose.fitting.robust import huber_weights
+from usmbench.diagnose.fitting.robust import huber_weights, robust_spread
 from usmbench.diagnose.fitting.scanning import fit_effect, sharpen
 from usmbench.diagnose.naming.chance import scatters, struck_by
 from usmbench.diagnose.naming.ranking import (
@@ -235,4 +233,4 @@ def noise_spread(problem: Problem, basis: Basis, effects: Sequence[Applied]) -> 
     """
     left = problem.left(effects)
     rows = (left - basis.vectors @ (basis.vectors.T @ left))[: problem.n_rows]
-    return max(1.0, 1.4826 * float(np.median(np.abs(rows))))
+    return robust_spread(rows)

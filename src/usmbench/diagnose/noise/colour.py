@@ -10,45 +10,17 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import matmul_toeplitz, solve_toeplitz
+from scipy.linalg import matmul_toeplitz
 from scipy.signal import lfilter
+
+from usmbench.identify.noise import autoregression
 
 Array = NDArray[np.float64]
 
-_EXACT = 1e-6  # share of the variance that is left
 _LEAST_SHARE = 1e-3  # of the noise along a direction that is worth while
 _MEMORY = 400  # windows
 _ANSWER = 2000  # windows after which even a slow noise has answered
 _ROUNDS = 5
-
-
-def autoregression(covariance: Array, n: float) -> tuple[Array, float]:
-    """Return the autoregressive noise with given autocovariances, its order by BIC.
-
-    Parameters
-    ----------
-    covariance
-        At each lag, shape (orders + 1,).
-    n
-        Rows that it was taken over.
-
-    Returns
-    -------
-    ar
-        Coefficients of n_t = Σ ar_i n_{t−i} + innovation, shape (p,).
-    innovation
-        Standard deviation of the innovation.
-    """
-    best, chosen = np.inf, (np.empty(0), 1.0)
-    for order in range(covariance.size):
-        ar = solve_toeplitz(covariance[:order], covariance[1 : order + 1]) if order else np.empty(0)
-        left = float(covariance[0] - ar @ covariance[1 : order + 1])
-        if not left > _EXACT * float(covariance[0]):
-            break  # no noise has these autocovariances, or the next value follows from the last
-        score = n * np.log(left) + order * np.log(max(n, 2.0))
-        if score < best:
-            best, chosen = score, (np.asarray(ar, dtype=np.float64), float(np.sqrt(left)))
-    return chosen
 
 
 def autocovariance(ar: Array, innovation: float, lags: int) -> Array:

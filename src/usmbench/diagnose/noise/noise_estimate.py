@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Mask, Stretch
-from usmbench.diagnose.noise.colour import autoregression, taken_by_fit
+from usmbench.diagnose.noise.colour import taken_by_fit
 from usmbench.diagnose.noise.noise_model import (
     KINDS,
     LAGS,
@@ -18,6 +18,8 @@ from usmbench.diagnose.noise.noise_model import (
     farther_out,
     step_kind,
 )
+from usmbench.identify.noise import autoregression
+from usmbench.identify.robust import OVER_MEDIAN
 
 Array = NDArray[np.float64]
 
@@ -28,7 +30,6 @@ _TRIMMED = 1.2  # what is left out above 97 % of a normal variable, and a little
 _LEAST_SHARE = 0.3  # of the middle noise level: a standing rotor shows none, yet is not exact
 _FEWEST_STARTS, _FEWEST_PAIRS, _FEWEST_QUIET = 20, 100, 50  # rows
 _QUIET_SHARE, _NO_STEP_RAD_S = 0.2, 1e-9  # of the rows of a rotor that turns
-_NORMAL = 1.4826  # standard deviation over median absolute deviation
 _CALM, _FEWEST_CALM = 0.9, 500  # of the level; rows
 _FAR = 4.0  # times the noise: what is farther out counts as that far
 
@@ -111,7 +112,7 @@ def _spread(values: Array) -> float:
     """Robust standard deviation about 0: by the median, but not below the trimmed one."""
     size = np.abs(values)
     trimmed = values[size <= np.quantile(size, 0.98)]
-    return max(_NORMAL * float(np.median(size)), float(np.sqrt(np.mean(trimmed**2))))
+    return max(OVER_MEDIAN * float(np.median(size)), float(np.sqrt(np.mean(trimmed**2))))
 
 
 def _by_size(size_rad_s: Array, error: Array, sigma: float) -> tuple[Array, Array]:

@@ -147,6 +147,8 @@ def are_exceptions(
             [s.context.phase_deg for s in stretches],
         )
     )
+    if not far.size:
+        return True
     if np.mean(far) > _MOST_ALONE:
         return False
     parts = np.array_split(far[np.argsort(speed, kind="stable")], _PARTS)

@@ -9,6 +9,7 @@ from scipy.sparse import csr_array
 from scipy.stats import norm
 
 from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.diagnose.noise.colour import autocovariance
 from usmbench.diagnose.residual.basis import Basis
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.result import View
@@ -18,9 +19,10 @@ Array = NDArray[np.float64]
 _LAG_EDGES = np.array([0, 1, 2, 3, 4, 6, 10, 20, 40])
 _PHASE_BINS, _TIME_BINS, _SPEED_BINS, _ANGLE_BINS = 16, 16, 12, 24
 _RANK = 1e-6
+_MEMORY, _FORGOTTEN = 200, 0.01  # windows; of the noise's variance
 LABELS = {
     "phase": "commanded phase φ (deg)",
-    "direction": "phase φ (deg), residual after rises less after falls",
+    "direction": "phase φ (deg), half of what the residual differs by after rises and after falls",
     "time": "time (s)",
     "gain over time": "time (s), residual in the direction of motion",
     "lag": "windows after a step of φ, residual in the step's direction",
@@ -149,8 +151,7 @@ def residual_views(problem: Problem, after: Sequence[Array], spread: float) -> t
     after
         The residual of each stretch with the extension.
     spread
-        Standard deviation of a mean of whitened noise, times the root of its rows: the noise's
-        colour and how much it exceeds what is known.
+        Standard deviation of the whitened noise.
     """
     level = [problem.noise.level_rad_s(s) for s in problem.stretches]
     background = problem.known.background(problem.stretches)
@@ -170,37 +171,21 @@ def _view(
 ) -> View:
     """Average each bin's rows and work out the band that noise alone keeps within."""
     n_bins = binning.centre.size
-    sums = np.zeros((4, n_bins))
+    sums = np.zeros((3, n_bins))
     parts = zip(
-        binning.index,
-        binning.sign,
-        level,
-        problem.masks,
-        problem.residual_rad_s,
-        after,
-        strict=True,
+        binning.index, binning.sign, problem.masks, problem.residual_rad_s, after, strict=True
     )
-    for index, sign, sigma, mask, before, left in parts:
+    for index, sign, mask, before, left in parts:
         rows = mask & (index >= 0) & (sign != 0.0)
-        at = index[rows]
-        for k, values in enumerate(
-            (np.ones(at.size), (sign * before)[rows], (sign * left)[rows], sigma[rows] ** 2)
-        ):
-            sums[k] += np.bincount(at, weights=values, minlength=n_bins)
+        for k, values in enumerate((np.ones(mask.size), sign * before, sign * left)):
+            sums[k] += np.bincount(index[rows], weights=values[rows], minlength=n_bins)
     count = np.maximum(sums[0], 1.0)
-    shapes, root = background
-    totals = np.zeros((n_bins, root.shape[0]))
-    for index, sign, mask, part in zip(
-        binning.index, binning.sign, problem.masks, shapes, strict=True
-    ):
-        rows = np.flatnonzero(mask & (index >= 0))
-        picked = csr_array((sign[rows], (index[rows], rows)), shape=(n_bins, mask.size))
-        totals += np.asarray(picked @ part)
-    known = np.sum((totals @ root / count[:, None]) ** 2, axis=1)
+    known = _known_square(problem, binning, background) / count**2
+    noise = spread**2 * _noise_square(problem, binning, level) / count**2
     seen = sums[0] >= 3
     # Every bin of the view together keeps within the band in 95 % of runs (Šidák).
     z = float(norm.ppf(0.5 + 0.5 * 0.95 ** (1.0 / max(int(seen.sum()), 1))))
-    band = z * np.sqrt(np.where(seen, spread**2 * sums[3] / count**2 + known, 1.0))
+    band = z * np.sqrt(np.where(seen, noise + known, 1.0))
     before, left = sums[1] / count, sums[2] / count
     excess = [float(np.max((np.abs(v) / band)[seen], initial=0.0)) for v in (before, left)]
     return View(
@@ -214,3 +199,36 @@ def _view(
         excess[0],
         excess[1],
     )
+
+
+def _known_square(
+    problem: Problem, binning: Binning, background: tuple[Sequence[Array], Array]
+) -> Array:
+    """Variance of each bin's sum by what is no news, in (rad/s)², shape (K,)."""
+    shapes, root = background
+    totals = np.zeros((binning.centre.size, root.shape[0]))
+    parts = zip(binning.index, binning.sign, problem.masks, shapes, strict=True)
+    for index, sign, mask, part in parts:
+        rows = np.flatnonzero(mask & (index >= 0))
+        shape = (totals.shape[0], mask.size)
+        picked = csr_array((sign[rows], (index[rows], rows)), shape=shape)
+        totals += np.asarray(picked @ part)
+    square: Array = np.sum((totals @ root) ** 2, axis=1)
+    return square
+
+
+def _noise_square(problem: Problem, binning: Binning, level: Sequence[Array]) -> Array:
+    """Variance of each bin's sum by the noise, whose colour ties rows, in (rad/s)², shape (K,)."""
+    noise, square = problem.noise, np.zeros(binning.centre.size)
+    colour = autocovariance(noise.ar, noise.innovation, _MEMORY if noise.ar.size else 0)
+    last = int(np.flatnonzero(np.abs(colour) > _FORGOTTEN)[-1])
+    parts = zip(problem.stretches, binning.index, binning.sign, problem.masks, level, strict=True)
+    for stretch, index, sign, mask, sigma in parts:
+        at = np.maximum(index, 0)
+        counts = np.where(mask & (index >= 0), sign, 0.0)
+        square += np.bincount(at, (counts * sigma) ** 2, minlength=square.size)
+        calm = counts * noise.calm_rad_s(stretch)
+        for k in range(1, last + 1):
+            pairs = calm[k:] * calm[:-k] * (at[k:] == at[:-k])
+            square += 2.0 * colour[k] * np.bincount(at[k:], pairs, minlength=square.size)
+    return square

@@ -14,7 +14,7 @@ from usmbench.model.extended import Applied
 PLAINLY = 1e-3  # that the views together show something
 _MATERIAL = 0.1  # of the noise's mean square
 _LEFT_EXPLAINED = 0.08
-_LEFT_PARTLY = 0.4
+LEFT_PARTLY = 0.4
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,4 +90,4 @@ def verdict(before: Whole, after: Whole, statistic: float) -> Verdict:
     share = after.excess / max(before.excess, statistic, 1e-12)
     if after.p_value > PLAINLY or share < _LEFT_EXPLAINED:
         return "explained"
-    return "unexplained" if share > _LEFT_PARTLY and after.material else "partly_explained"
+    return "unexplained" if share > LEFT_PARTLY and after.material else "partly_explained"

@@ -90,8 +90,6 @@ class Context:
     angle_rad
         Shaft angle by the counter at the middle of each window; None where only the simulation
         itself can say.
-    temperature_c
-        Temperature, where it was measured.
     detuning_rad_s
         How the settled speed changes with the drive frequency, relative to it: f ∂v/∂f, phases in;
         None where the model knows one frequency only.
@@ -105,7 +103,6 @@ class Context:
     settled_rad_s: Callable[[Array], Array]
     linear: LinearPart
     angle_rad: Array | None = None
-    temperature_c: Array | None = None
     detuning_rad_s: Callable[[Array], Array] | None = None
     count_rad_s: float | None = None
 
@@ -128,7 +125,6 @@ class Effect(ABC):
     mend: ClassVar[str]
     stage: ClassVar[Stage]
     parameters: ClassVar[tuple[Parameter, ...]]
-    needs: ClassVar[tuple[str, ...]] = ()
     by_chance: ClassVar[bool] = False  # the windows it acts on keep a scatter of its own
     jagged: ClassVar[bool] = False  # values a little apart change other windows; none has a size
     form_off: ClassVar[float] = PHYSICS  # share of itself by which its form may be off

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from usmbench.diagnose.cutting.cut_runs import cut_runs
+from usmbench.diagnose.cutting.stretches import came_from
 from usmbench.diagnose.known.features_of_runs import features_of
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.runs.record import Record
@@ -60,3 +61,35 @@ def test_a_piece_of_a_long_run_is_as_warm_as_the_run_was(
         rows = np.searchsorted(t_s, piece.context.t_s)[piece.use]
         own = np.column_stack(list(features.columns(piece)))[piece.use][:, heat]
         assert own == pytest.approx(warmed[rows], abs=0.02 * np.max(np.abs(warmed)))
+
+
+@pytest.mark.parametrize("in_one_run", [True, False])
+def test_of_many_short_pieces_some_are_judged(
+    model: HammersteinModel, monkeypatch: pytest.MonkeyPatch, in_one_run: bool
+) -> None:
+    monkeypatch.setattr("usmbench.diagnose.cutting.cut_runs._MOST_WINDOWS", 4000)
+    n = 400
+    phase_deg = np.repeat(np.random.default_rng(5).uniform(-88.0, 88.0, n // 20), 20)
+    speed_rad_s = model.points[0].curve.speed_rad_s(phase_deg)
+    begins_s = 10.0 * np.arange(100) * in_one_run
+    pieces = [
+        Record("run", b + 0.01 * np.arange(1.0, n + 1.0), phase_deg, speed_rad_s, np.full(n, 0.01))
+        for b in begins_s
+    ]
+    names = ("t_s", "phase_deg", "speed_rad_s", "window_s")
+    whole = [np.concatenate([getattr(p, name) for p in pieces]) for name in names]
+    stretches, _ = cut_runs([Record("run", *whole)] if in_one_run else pieces, model, ())
+    assert 0.8 * 4000 <= sum(s.context.n for s in stretches) <= 1.2 * 4000
+
+
+def test_what_came_before_is_told_apart_over_stretches(model: HammersteinModel) -> None:
+    t_s = 0.01 * np.arange(1.0, 301.0)
+    runs = [
+        Record("run", t_s, np.repeat(phases_deg, 100), np.ones(300), np.full(300, 0.01))
+        for phases_deg in ([30.0, 45.0, 60.0], [50.0, 65.0, 80.0])
+    ]
+    one, other = (
+        came_from(s.settled_rad_s, s.step_rad_s, s.lag) for s in cut_runs(runs, model, ())[0]
+    )
+    assert np.intersect1d(one, other).size == 0
+    assert np.intersect1d(one, one).size == 300

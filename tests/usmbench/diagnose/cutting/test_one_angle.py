@@ -62,3 +62,11 @@ def test_runs_without_a_ripple_or_of_different_discs_stay_as_they_are(
     assert warnings == []
     for before, after in zip(stretches, turned, strict=True):
         assert after.context is before.context
+
+
+def test_runs_that_begin_alike_stay_as_they_are(model: HammersteinModel) -> None:
+    stretches, _ = cut_runs([_eccentric(seed, 0.012, 0.4) for seed in (3, 4)], model, ())
+    turned, warnings = at_one_angle(stretches)
+    assert warnings == []
+    for before, after in zip(stretches, turned, strict=True):
+        assert after.context is before.context

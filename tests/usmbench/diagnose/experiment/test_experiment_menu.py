@@ -93,3 +93,15 @@ def test_the_planned_run_does_what_the_model_says(model: HammersteinModel) -> No
     assert run.phase_deg.tolist() == [0.0] * 20 + [60.0] * 20
     assert run.speed_rad_s[[19, -1]] == pytest.approx([0.0, 6.0], abs=1e-6)
     assert run.t_s[-1] == pytest.approx(0.4)
+
+
+@pytest.mark.parametrize("window_s", [1.0, 2.0, 5.0])
+def test_long_windows_leave_plans_that_sweep_takes(window_s: float) -> None:
+    for experiment in menu(replace(NARROW, window_s=window_s)):
+        assert list(experiment.plan.frequency_hz) == [41_000.0], experiment.says
+
+
+def test_a_dead_zone_out_of_reach_is_not_swept() -> None:
+    says = [e.says for e in menu(replace(NARROW, low_deg=30.0))]
+    assert not any("dead zone" in text for text in says)
+    assert len(says) == len(menu(NARROW)) - 1

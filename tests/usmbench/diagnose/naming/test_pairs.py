@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from known_motor import applied, driven, identified
-from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.naming.pairs import hidden_pair
 from usmbench.diagnose.naming.ranking import rank
-from usmbench.diagnose.pipeline import own_effects, searched
+from usmbench.diagnose.pipeline import searched
+from usmbench.diagnose.residual.own_effects import cut_beside_own
 from usmbench.model.effects.registry import library
 from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
@@ -31,7 +31,7 @@ def _stretches(model: HammersteinModel, *hidden: Applied, stairs: bool = False) 
     if stairs:
         up_deg = np.linspace(-88.0, 88.0, 23)
         phase_deg = np.repeat(np.concatenate([up_deg, up_deg[::-1]]), 40)
-    return cut_runs([driven(phase_deg, 41, *hidden)], model, own_effects(model))[0]
+    return cut_beside_own([driven(phase_deg, 41, *hidden)], model)[0]
 
 
 @pytest.mark.parametrize("offset_deg", [-0.6, 0.5, 0.7, 0.8])

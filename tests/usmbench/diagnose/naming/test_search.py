@@ -11,7 +11,8 @@ from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.known.knowledge import knowledge_of
 from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.naming.search import search
-from usmbench.diagnose.pipeline import own_effects, searched
+from usmbench.diagnose.pipeline import searched
+from usmbench.diagnose.residual.own_effects import cut_beside_own
 from usmbench.model.extended import extended_run
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.runs.record import Record
@@ -25,7 +26,7 @@ def model() -> HammersteinModel:
 
 
 def _searched(record: Record, model: HammersteinModel) -> Found:
-    return searched(cut_runs([record], model, own_effects(model))[0], model)
+    return searched(cut_beside_own([record], model)[0], model)
 
 
 def _names(found: Found) -> set[str]:

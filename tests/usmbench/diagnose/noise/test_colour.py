@@ -10,9 +10,10 @@ from scipy.signal import lfilter
 
 from known_motor import measured
 from usmbench.diagnose.noise import noise_estimate
-from usmbench.diagnose.noise.colour import autocovariance, autoregression, taken_by_fit
+from usmbench.diagnose.noise.colour import autocovariance, taken_by_fit
 from usmbench.diagnose.reference import with_knowledge
 from usmbench.identify.fast import FastOptions, identify_fast
+from usmbench.identify.noise import autoregression
 
 Array = NDArray[np.float64]
 

@@ -99,3 +99,8 @@ def test_exceptions_are_few_and_not_off_as_others_at_like_phases(
     off_rad_s[struck] -= 1.0
     alone[struck] = True
     assert are_exceptions([stretch], [off_rad_s], [alone], [stretch.use]) == chance
+
+
+def test_where_no_row_is_calm_nothing_stands_alone_against_chance(reversing: Stretch) -> None:
+    none = np.zeros(N, dtype=bool)
+    assert are_exceptions([reversing], [np.zeros(N)], [none], [none])

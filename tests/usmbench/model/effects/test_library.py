@@ -115,5 +115,5 @@ def test_a_cause_that_is_not_installed_is_refused() -> None:
 
 
 def test_a_missing_parameter_is_refused() -> None:
-    with pytest.raises(ValueError, match="has no"):
+    with pytest.raises(InputError, match="phase_offset lacks offset_deg"):
         applied_effects([{"name": "phase_offset", "parameters": {}}])
