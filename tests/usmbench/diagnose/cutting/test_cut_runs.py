@@ -71,14 +71,12 @@ def test_of_many_short_pieces_some_are_judged(
     n = 400
     phase_deg = np.repeat(np.random.default_rng(5).uniform(-88.0, 88.0, n // 20), 20)
     speed_rad_s = model.points[0].curve.speed_rad_s(phase_deg)
-    begins_s = 10.0 * np.arange(100) * in_one_run
-    pieces = [
-        Record("run", b + 0.01 * np.arange(1.0, n + 1.0), phase_deg, speed_rad_s, np.full(n, 0.01))
-        for b in begins_s
-    ]
-    names = ("t_s", "phase_deg", "speed_rad_s", "window_s")
-    whole = [np.concatenate([getattr(p, name) for p in pieces]) for name in names]
-    stretches, _ = cut_runs([Record("run", *whole)] if in_one_run else pieces, model, ())
+    t_s = 0.01 * np.arange(1.0, n + 1.0)
+    if in_one_run:
+        t_s = np.concatenate([10.0 * k + t_s for k in range(100)])
+        phase_deg, speed_rad_s = np.tile(phase_deg, 100), np.tile(speed_rad_s, 100)
+    record = Record("run", t_s, phase_deg, speed_rad_s, np.full(t_s.size, 0.01))
+    stretches, _ = cut_runs([record] * (1 if in_one_run else 100), model, ())
     assert 0.8 * 4000 <= sum(s.context.n for s in stretches) <= 1.2 * 4000
 
 
