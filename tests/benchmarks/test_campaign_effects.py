@@ -33,7 +33,7 @@ def test_the_rest_is_measured_as_it_is(defects: list[str], strength: float) -> N
     assert enlarged(made, strength) == (made, 1.0)
 
 
-@pytest.mark.parametrize("mechanism", ["worn_contact", "flywheel", "hanging_weight"])
+@pytest.mark.parametrize("mechanism", ["worn_contact", "flywheel"])
 def test_a_small_effect_is_its_share_of_a_large_one(
     motor_bench: MotorBench, mechanism: str
 ) -> None:
