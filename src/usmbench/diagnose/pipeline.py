@@ -17,7 +17,6 @@ from usmbench.diagnose.evidence import Candidate, Estimate, NamedCause, stronges
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.gain import Gain, held_out_gain
 from usmbench.diagnose.fitting.intervals import intervals
-from usmbench.diagnose.known.knowledge import knowledge_of
 from usmbench.diagnose.naming.detectable import smallest_sizes
 from usmbench.diagnose.naming.found import (
     Found,
@@ -29,9 +28,10 @@ from usmbench.diagnose.naming.ranking import Ranked, alternatives
 from usmbench.diagnose.naming.remainder import describe
 from usmbench.diagnose.naming.search import search
 from usmbench.diagnose.naming.sporadic import Sporadic, find_sporadic, left_unnamed
-from usmbench.diagnose.residual.own_effects import cut_beside_own, own_effects
+from usmbench.diagnose.residual.own_effects import cut_beside_own, known_of, own_effects
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.views import residual_views
+from usmbench.diagnose.residual.whole import PLAINLY
 from usmbench.diagnose.result import Diagnosis, Trace, Verdict
 from usmbench.model.effects.base import Effect
 from usmbench.model.effects.registry import library
@@ -80,7 +80,7 @@ def searched(stretches: Sequence[Stretch], model: HammersteinModel) -> Found:
     """
     contexts = [s.context for s in stretches]
     effects = [e for e in library() if not e.sporadic and e.untestable(contexts) is None]
-    known = knowledge_of(model)
+    known = known_of(model)
     late_s = max(known.wander.late_s, any_moment_s(stretches))
     known = replace(known, wander=replace(known.wander, late_s=late_s))
     marked = at_unknown_moments(stretches, late_s)
@@ -121,6 +121,10 @@ def _held(found: Found) -> _Held:
     stands = says in ("explained", "partly_explained")
     if not stands:
         found, sporadic = found.without_names, None
+    scattered = found.scattered
+    if scattered is not found and scattered.after.p_value > PLAINLY:
+        says = "explained"
+    found = scattered
     struck = () if sporadic is None else sporadic.struck
     gain = held_out_gain(found.problem, found.fit, struck)
     if found.named and gain.worse:

@@ -72,6 +72,8 @@ class Stretch:
         What the run did before.
     moment_rad_s
         What the speed may be off by where nobody knows when a command acted, or 0.
+    scatter_rad_s
+        Standard deviation of what the model's own effects do by chance, or 0.
     doubt_rad_s
         What the model's own effects may be off by, in columns of one standard deviation, shape
         (N, D); None for a model without effects.
@@ -92,6 +94,7 @@ class Stretch:
     places: tuple[Array, ...]
     before: Before
     moment_rad_s: Array | float = 0.0
+    scatter_rad_s: Array | float = 0.0
     doubt_rad_s: Array | None = None
 
     @property

@@ -24,11 +24,11 @@ from usmbench.diagnose.experiment.proposal import Experiment, planned_record
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.refining import refine
 from usmbench.diagnose.fitting.robust import robust_spread
-from usmbench.diagnose.known.knowledge import Knowledge, knowledge_of
+from usmbench.diagnose.known.knowledge import Knowledge
 from usmbench.diagnose.naming.ranking import telling_deviance
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.noise.noise_model import Noise
-from usmbench.diagnose.residual.own_effects import cut_beside_own, own_effects
+from usmbench.diagnose.residual.own_effects import cut_beside_own, known_of, own_effects
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.result import Diagnosis
 from usmbench.model.effects.registry import find_effect
@@ -152,7 +152,7 @@ class _Design:
     def __init__(self, question: Question, records: Sequence[Record], model: HammersteinModel):
         self._question, self._model = question, model
         self._own = own_effects(model)
-        self._known: Knowledge = knowledge_of(model)
+        self._known: Knowledge = known_of(model)
         self._window_s = float(np.median(records[0].window_s))
         stretches, _ = cut_beside_own(records, model)
         self._stretches = first_windows(stretches, _MOST_WINDOWS)

@@ -6,12 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.fitting.fit import NOTHING, Fit
+from usmbench.diagnose.fitting.refining import refine
+from usmbench.diagnose.fitting.robust import huber_weights
 from usmbench.diagnose.naming.chance import chancy_of, leaves_scatter
 from usmbench.diagnose.naming.ranking import NO_CHANCE, Ranked
 from usmbench.diagnose.naming.remainder import LOUD
 from usmbench.diagnose.naming.sporadic import Sporadic
 from usmbench.diagnose.residual.problem import Problem
-from usmbench.diagnose.residual.whole import LEFT_PARTLY, PLAINLY, Whole, verdict
+from usmbench.diagnose.residual.whole import LEFT_PARTLY, PLAINLY, Whole, doubted_test, verdict
 from usmbench.diagnose.result import Verdict
 
 Array = NDArray[np.float64]
@@ -129,6 +131,23 @@ class Found:
             return self
         problem = self.problem.showing(())
         return replace(self, problem=problem, named=[], fit=NOTHING, after=self.before)
+
+    @property
+    def scattered(self) -> "Found":
+        """The same where the scatter that a cause by chance leaves counts as noise.
+
+        The search keeps what is far out from its fits: of what chance does, these would leave less
+        than its mean.
+        """
+        chancy = chancy_of(self.fit.effects)
+        if not chancy or not leaves_scatter(self.problem, self.fit.effects):
+            return self
+        plain = self.problem.scattering(chancy, self.fit.effects)
+        weights = huber_weights(plain, plain.left_rad_s(self.fit.effects))
+        problem = plain.weighed(plain.noise, plain.masks, weights)
+        fit = refine(problem, self.fit)
+        after = doubted_test(problem, fit.effects, self.spread)
+        return replace(self, problem=problem, fit=fit, after=after)
 
     @property
     def left_rad_s(self) -> list[Array]:

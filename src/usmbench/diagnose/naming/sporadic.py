@@ -143,7 +143,8 @@ def left_unnamed(problem: Problem, effects: Sequence[Applied], spread: float) ->
     far = _beyond(problem, left, not_judged, spread)
     for stretch, rows, residual in zip(problem.stretches, far, left, strict=True):
         off_rad_s = np.abs(residual[rows])
-        if off_rad_s.size >= _TOLD:
+        duration_s = stretch.context.n * stretch.context.window_s
+        if off_rad_s.size >= max(_TOLD, _usual(problem.known.spikes_hz, duration_s)):
             found.append(
                 f"{stretch.name}: windows that stand alone are not judged: "
                 f"{off_rad_s.size}, off by up to {np.max(off_rad_s):.3g} rad/s; no cause is named "
@@ -176,10 +177,15 @@ def _plain(
 def _p_value(windows: LoneWindows, spikes_hz: float) -> float:
     """Probability of as many lone windows where nothing is wrong; 1 for no more than is usual."""
     count = int(np.count_nonzero(windows.alone))
-    usual = _AS_USUAL * spikes_hz * windows.alone.size * windows.window_s
+    usual = _usual(spikes_hz, windows.alone.size * windows.window_s)
     if count < usual:
         return 1.0
     return float(poisson.sf(count - 1, usual)) if usual > 0.0 else 0.0
+
+
+def _usual(spikes_hz: float, duration_s: float) -> float:
+    """How many windows stand alone where nothing is wrong: no two days are alike."""
+    return _AS_USUAL * spikes_hz * duration_s
 
 
 def _alone(

@@ -89,7 +89,7 @@ class Noise:
         returning = self.same_again[np.minimum(stretch.lag, LAGS - 1)] * (stretch.again - 1)
         erring = (spread**2 + at_edge**2) * (1.0 + returning)
         calm = self.calm_rad_s(stretch)
-        unsure = bend_rad_s(stretch) ** 2 + stretch.moment_rad_s**2
+        unsure = bend_rad_s(stretch) ** 2 + stretch.moment_rad_s**2 + stretch.scatter_rad_s**2
         level: Array = np.sqrt(calm**2 + erring + unsure)
         return level
 

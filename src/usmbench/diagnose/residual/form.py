@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.diagnose.noise.chance_scatter import chance_scatter_rad_s
 from usmbench.diagnose.noise.noise_model import KINDS, step_kind
 from usmbench.model.effects.base import PHYSICS
 from usmbench.model.extended import Applied, extended_run
@@ -66,14 +67,26 @@ def doubting_own(
     """
     if not doubted:
         return list(stretches)
-    return [replace(s, doubt_rad_s=_own_off(s, own, doubted)) for s in stretches]
+    changes = [[_change_rad_s(s, own, each) for each in doubted] for s in stretches]
+    by_chance = np.array([each.effect.by_chance for each in doubted])
+    scatter = chance_scatter_rad_s(
+        [by_chance @ np.array(every) for every in changes],
+        [s.residual_rad_s for s in stretches],
+        [s.use for s in stretches],
+    )
+    return [
+        replace(s, doubt_rad_s=_off(s, every, doubted), scatter_rad_s=scattered)
+        for s, every, scattered in zip(stretches, changes, scatter, strict=True)
+    ]
 
 
-def _own_off(stretch: Stretch, own: Sequence[Applied], doubted: Sequence[Applied]) -> Array:
+def _change_rad_s(stretch: Stretch, own: Sequence[Applied], each: Applied) -> Array:
+    """Return what one of a model's own effects changes, shape (N,)."""
+    without = extended_run([a for a in own if a is not each], stretch.context).speed_rad_s
+    return stretch.simulated_rad_s - without
+
+
+def _off(stretch: Stretch, changes: Sequence[Array], doubted: Sequence[Applied]) -> Array:
     """Return by what a model's own effects may be off, shape (N, D)."""
-    parts = []
-    for each in doubted:
-        without = extended_run([a for a in own if a is not each], stretch.context).speed_rad_s
-        change = stretch.simulated_rad_s - without
-        parts.append(off_in_form(stretch, change, each.effect.form_off))
-    return np.column_stack(parts)
+    pairs = zip(changes, doubted, strict=True)
+    return np.column_stack([off_in_form(stretch, c, a.effect.form_off) for c, a in pairs])

@@ -17,6 +17,7 @@ from scipy.sparse import block_diag, csr_array, diags_array, hstack
 
 from usmbench.diagnose.cutting.stretches import Mask, Stretch
 from usmbench.diagnose.known.knowledge import Knowledge
+from usmbench.diagnose.noise.chance_scatter import chance_scatter_rad_s
 from usmbench.diagnose.noise.noise_model import Noise
 from usmbench.diagnose.noise.whitening import memory_rows, whitening
 from usmbench.diagnose.residual.carrier import Carrier
@@ -169,6 +170,30 @@ class Problem:
         )
         other._runs = FreeRuns(other.stretches)
         return other._leaving(other.stretches)
+
+    def scattering(self, chancy: Sequence[Applied], effects: Sequence[Applied]) -> "Problem":
+        """Return the same problem where rows that chance strikes scatter, and all of them count.
+
+        Weights and masks keep what is far out from the fit: of what chance does, they would leave
+        less than its mean.
+
+        Parameters
+        ----------
+        chancy
+            Causes that act by chance.
+        effects
+            All causes.
+        """
+        changes = self.change_rad_s(chancy)
+        uses = [s.use for s in self.stretches]
+        scatter = chance_scatter_rad_s(changes, self.left_rad_s(effects), uses)
+        other = copy(self)
+        other.stretches = tuple(
+            replace(s, scatter_rad_s=by_chance)
+            for s, by_chance in zip(self.stretches, scatter, strict=True)
+        )
+        rows = zip(self.masks, uses, changes, strict=True)
+        return other.weighed(self.noise, [m | (use & (c != 0.0)) for m, use, c in rows])
 
     def measuring(self, residual_rad_s: Sequence[Array]) -> "Problem":
         """Return the same problem of a motor that leaves another residual.

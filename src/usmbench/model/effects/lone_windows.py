@@ -85,7 +85,10 @@ class Weighed:
 
 
 class SporadicEffect(Effect):
-    """A cause that strikes windows by chance: no simulation foresees which."""
+    """A cause that strikes windows by chance: no simulation foresees which.
+
+    One of its parameters is `rate_hz`, how often.
+    """
 
     stage = "counter"
     sporadic: ClassVar[bool] = True

@@ -74,6 +74,35 @@ def test_counts_that_a_filter_swallows_by_chance_are_missed_counts(
     assert [cause.name for cause in found.causes] == ["missed_counts"]
 
 
+@pytest.mark.parametrize("lines", [0.12, 0.5])
+def test_an_extended_model_scatters_as_counts_that_are_lost_do(
+    model: HammersteinModel, lines: float
+) -> None:
+    runs = [_saying(_swallowed(_dwelling(), lines, seed), 2000) for seed in (5, 6)]
+    first = diagnose(runs[:1], model)
+    assert first.verdict == "explained"
+    for run in runs:
+        again = diagnose([run], first.extended)
+        assert (again.verdict, again.warnings) == ("no_discrepancy", ())
+
+
+def test_counts_that_are_lost_more_often_than_an_extended_model_says_are_named(
+    model: HammersteinModel,
+) -> None:
+    now_and_then, often = (
+        _saying(_swallowed(_dwelling(), lines, seed), 2000) for lines, seed in ((0.12, 5), (0.7, 7))
+    )
+    extended = diagnose([now_and_then], model).extended
+    assert _names(often, extended) == ["missed_counts"]
+
+
+def test_of_counts_that_are_lost_by_chance_the_mean_is_found(model: HammersteinModel) -> None:
+    for seed in (5, 6, 7):
+        (cause,) = diagnose([_swallowed(_dwelling(), 0.5, seed)], model).causes
+        share = cause.parameters[0]
+        assert share.low < 2.0 * COUNT_RAD_S / np.max(_dwelling().speed_rad_s) < share.high
+
+
 def test_what_swallowed_counts_cover_is_named_from_slower_windows(model: HammersteinModel) -> None:
     record = _dwelling(applied("phase_offset", "", offset_deg=0.5))
     found = [diagnose([_swallowed(record, 0.5, seed)], model).causes for seed in range(5, 8)]
