@@ -181,7 +181,7 @@ def _point_to_mapping(point: OperatingPoint) -> dict[str, Any]:
 
 def _point_from_mapping(content: dict[str, Any]) -> OperatingPoint:
     low_deg, high_deg = (float(value) for value in content["phase_range_deg"])
-    edges = content["dead_zone_deg"]
+    edges = content["dead_zone_deg"] or (None, None)
     return OperatingPoint(
         frequency_hz=_optional(content["frequency_hz"]),
         torque_nm=_optional(content["torque_nm"]),

@@ -1,5 +1,6 @@
 """A model survives its file; a file that is none is refused with its name."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +41,14 @@ def test_what_is_written_is_read_back_to_the_last_bit(tmp_path: Path) -> None:
     assert read.points[0].dead_zone_deg == (-5.5, None)
     for name in ("method", "fitted_on", "residual", "intervals", "unexplained", "effects"):
         assert getattr(read, name) == getattr(model(), name)
+
+
+def test_a_dead_zone_that_is_null_has_no_edges(tmp_path: Path) -> None:
+    path = tmp_path / "model.yaml"
+    write_model(path, model())
+    text = path.read_text(encoding="utf-8")
+    path.write_text(re.sub(r"dead_zone_deg: .*", "dead_zone_deg: null", text), encoding="utf-8")
+    assert read_model(path).points[0].dead_zone_deg == (None, None)
 
 
 def test_the_file_says_its_version_and_a_newer_one_is_refused(tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 # Of 12 lengths that chance draws from two neighbours, 5 % are those of one even interval.
 _DWELLS, _SHARE, _FEWEST = 12, 0.5, 12
 _ANY_MOMENT = 12.0**-0.5  # of a window: standard deviation
-_SCATTERS = 0.5  # of that
+_SCATTERS = (0.5, 2.0)  # times that; steps that noise covers seem to scatter by more
 _AT_ONCE, _LARGE = 3, 0.5  # windows in which a step shows; of the largest step
 _REPEATS = 30.0  # times as unsure as one such moment: over a run, what repeats adds up
 
@@ -32,7 +32,10 @@ def keeps_own_time(stretch: Stretch) -> bool:
         The stretch.
     """
     changes = np.flatnonzero(stretch.lag == 0)[1:]  # the first row is the beginning
-    return between_windows(changes) and _moment_windows(stretch, changes) > _SCATTERS * _ANY_MOMENT
+    if not between_windows(changes) or np.median(np.diff(changes)) < _AT_ONCE:
+        return False
+    low, high = _SCATTERS
+    return low * _ANY_MOMENT < _moment_windows(stretch, changes) < high * _ANY_MOMENT
 
 
 def between_windows(changes: NDArray[np.int64]) -> bool:

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from known_motor import CURVE, WINDOW_S, driven, identified
+from known_motor import CURVE, WINDOW_S, applied, driven, identified
 from usmbench.diagnose.cutting.command_times import between_windows, keeps_own_time
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.pipeline import diagnose
@@ -85,6 +85,16 @@ def test_a_healthy_run_of_such_dwells_is_no_swinging_shaft(
     found = diagnose([_run(seed)], model)
     assert found.verdict == "no_discrepancy"
     assert any("at moments within the windows" in warning for warning in found.warnings)
+
+
+@pytest.mark.parametrize("dwell", [1, 3])
+def test_a_triangle_of_fine_steps_keeps_step(dwell: int) -> None:
+    # At its crests a phase may be held once more than elsewhere.
+    up_deg = np.arange(-88.0, 88.1, 2.2)
+    phase_deg = np.tile(np.repeat(np.r_[up_deg, up_deg[::-1]], dwell), 12 // dwell)
+    wrong = applied("speed_scale", "", scale_error=-0.024)
+    (cause,) = diagnose([driven(phase_deg, 3, wrong)], identified()).causes
+    assert "speed_scale" in (cause.name, *cause.alternatives)
 
 
 def test_a_delay_of_two_windows_is_named_still(model: HammersteinModel) -> None:
