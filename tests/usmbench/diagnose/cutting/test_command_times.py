@@ -87,14 +87,15 @@ def test_a_healthy_run_of_such_dwells_is_no_swinging_shaft(
     assert any("at moments within the windows" in warning for warning in found.warnings)
 
 
-@pytest.mark.parametrize("dwell", [1, 3])
-def test_a_triangle_of_fine_steps_keeps_step(dwell: int) -> None:
-    # At its crests a phase may be held once more than elsewhere.
-    up_deg = np.arange(-88.0, 88.1, 2.2)
-    phase_deg = np.tile(np.repeat(np.r_[up_deg, up_deg[::-1]], dwell), 12 // dwell)
+def test_a_triangle_of_fine_steps_keeps_step() -> None:
+    # At its crests a phase is held for two windows, elsewhere for one.
+    up_deg, model = np.arange(-88.0, 88.1, 2.2), identified()
     wrong = applied("speed_scale", "", scale_error=-0.024)
-    (cause,) = diagnose([driven(phase_deg, 3, wrong)], identified()).causes
-    assert "speed_scale" in (cause.name, *cause.alternatives)
+    record = driven(np.tile(np.r_[up_deg, up_deg[::-1]], 6), 3, wrong)
+    assert not any(keeps_own_time(s) for s in cut_runs([record], model, ())[0])
+    found = diagnose([record], model)
+    assert "speed_scale" in (found.causes[0].name, *found.causes[0].alternatives)
+    assert found.warnings == ()
 
 
 def test_a_delay_of_two_windows_is_named_still(model: HammersteinModel) -> None:
