@@ -62,7 +62,8 @@ def _parser() -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="MECHANISM[=SIZE]",
-        help=f"something wrong with the motor or the bench; mechanisms: {', '.join(CATALOGUE)}",
+        help="something wrong with the motor or the bench, of its typical size or of another; "
+        f"mechanisms, typical sizes and units: {_mechanisms()}",
     )
     parser.add_argument("--json", action="store_true", help="print port and address as JSON")
     parser.add_argument(
@@ -71,6 +72,12 @@ def _parser() -> argparse.ArgumentParser:
         help='take lines such as {"load_nm": 0.1} from standard input, and stop at its end',
     )
     return parser
+
+
+def _mechanisms() -> str:
+    """List the defects, for argparse, to which a percent sign means something."""
+    listed = (f"{name}={kind.typical:g} ({kind.unit})" for name, kind in CATALOGUE.items())
+    return ", ".join(listed).replace("%", "%%")
 
 
 @contextmanager

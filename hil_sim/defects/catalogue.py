@@ -1,5 +1,6 @@
 """All defects by name."""
 
+import math
 from typing import Final
 
 from hil_sim.defects.belt_load import SeamedBelt
@@ -67,6 +68,9 @@ CATALOGUE: Final[dict[str, type[Defect]]] = {
 """Every mechanism by its name."""
 
 
+_BEYOND = 1e9  # in whatever unit
+
+
 def parse_defect(text: str) -> Defect:
     """Return the defect that a string such as "eccentric_disc=20" describes.
 
@@ -85,8 +89,9 @@ def parse_defect(text: str) -> Defect:
         raise InputError(f"defect {text!r}: no such mechanism; there are {', '.join(CATALOGUE)}")
     kind = CATALOGUE[name]
     try:
-        return kind(float(size) if equals else kind.typical)
+        value = float(size) if equals else kind.typical
     except ValueError:
-        raise InputError(
-            f"defect {text!r}: {size!r} is no number; give a size in {kind.unit}"
-        ) from None
+        value = math.nan
+    if not abs(value) < _BEYOND:
+        raise InputError(f"defect {text!r}: {size!r} is no size; give a number in {kind.unit}")
+    return kind(value)

@@ -14,6 +14,7 @@ from usmbench.diagnose.experiment.next_experiment import propose
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.result import Diagnosis
 from usmbench.model.hammerstein import HammersteinModel
+from usmbench.report.plain_text import file_name
 from usmbench.runs.reader import read_run
 from usmbench.runs.record import Record
 from usmbench.settings.plan import Plan
@@ -92,7 +93,7 @@ def decide(
         if proposal is None:
             return
         plan = parse_plan(Source("the proposed plan", proposal["plan"]))
-        folder = runs / f"{datetime.now():%Y%m%dT%H%M%S}-{plan.name}-{number}"
+        folder = runs / f"{datetime.now():%Y%m%dT%H%M%S}-{file_name(plan.name)}-{number}"
         motor = SimulatedMotor.of_run(here.records[0].meta, later=number)
         _measure(plan, bench, motor, folder)
         here = judge((*here.records, read_run(folder)), model)

@@ -109,7 +109,9 @@ def _step(*words: object, untold: tuple[str, ...] = ()) -> None:
     print(f"\n$ usmbench {' '.join(typed)}{' --defect …' if untold else ''}", flush=True)
     status = main([*typed, *untold])
     if status:
-        raise BenchError(f"the demo ends here: `usmbench {typed[0]}` returned {status}")
+        ends = BenchError(f"the demo ends here: `usmbench {typed[0]}` returned {status}")
+        ends.exit_status = status
+        raise ends
 
 
 def _comparison(hidden: str, found: dict[str, Any]) -> str:

@@ -14,6 +14,7 @@ from usmbench.diagnose.result import Diagnosis
 from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.model_file import read_model, write_model
+from usmbench.runs.output_files import write_output
 from usmbench.runs.reader import read_run
 
 _BUDGET = 3
@@ -85,9 +86,9 @@ def run(args: argparse.Namespace) -> int:
             judged = after
     for warning in judged.diagnosis.warnings:
         print(f"usmbench: warning: {warning}", file=sys.stderr)
-    _write(args, judged, model)
     if not quiet:
-        print(_lines(judged.diagnosis))
+        print(_lines(judged.diagnosis), flush=True)
+    _write(args, judged, model)
     return 0
 
 
@@ -149,14 +150,8 @@ def _write_plan(file: Path, found: Diagnosis) -> None:
     if found.next_experiment is None:
         print(f"usmbench: no experiment is proposed; {file} is not written", file=sys.stderr)
         return
-    try:
-        file.write_text(
-            yaml.safe_dump(found.next_experiment["plan"], sort_keys=False, width=100),
-            encoding="utf-8",
-        )
-    except OSError as error:
-        message = f"cannot be written ({error.strerror}); name another file for --next"
-        raise InputError(message, file=file) from None
+    plan = yaml.safe_dump(found.next_experiment["plan"], sort_keys=False, width=100)
+    write_output(file, plan)
 
 
 def _lines(found: Diagnosis) -> str:

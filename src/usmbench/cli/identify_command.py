@@ -17,6 +17,8 @@ from usmbench.report.search_trace import write_trace
 from usmbench.runs.reader import read_run
 from usmbench.runs.record import Record
 
+_HIGHEST_ORDER = 20  # the search of more does not end
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments.
@@ -73,6 +75,8 @@ def _check(args: argparse.Namespace) -> None:
         value = getattr(args, name)
         if value is not None and value < lowest:
             raise InputError(f"--{name} {value} is too low; give {lowest} or more")
+        if name != "degree" and value is not None and value > _HIGHEST_ORDER:
+            raise InputError(f"--{name} {value} is too high; give {_HIGHEST_ORDER} or less")
     if args.method != "paper" and (args.seed is not None or args.trace is not None):
         raise InputError("--seed and --trace belong to --method paper; the default draws nothing")
     if args.seed is not None and args.seed < 0:

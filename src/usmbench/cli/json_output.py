@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from usmbench.errors import InputError
+from usmbench.runs.output_files import write_output
 
 
 def write_json(target: str, content: dict[str, Any]) -> None:
@@ -27,10 +27,4 @@ def write_json(target: str, content: dict[str, Any]) -> None:
     if target == "-":
         sys.stdout.write(text)
         return
-    try:
-        Path(target).write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError(
-            f"cannot be written ({error.strerror}); give --json a file in a folder that exists",
-            file=target,
-        ) from error
+    write_output(Path(target), text)

@@ -5,9 +5,11 @@ import importlib
 import os
 import sys
 from collections.abc import Sequence
+from io import TextIOWrapper
 from typing import NoReturn
 
 from usmbench import __version__
+from usmbench.cli.output import drop_output
 from usmbench.errors import InputError, UsmbenchError
 from usmbench.report.plain_text import printable
 
@@ -81,14 +83,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     arguments
         The command line without the program's name; None takes it from the process.
     """
+    _take_any_text()
     words = _joined(sys.argv[1:] if arguments is None else arguments)
     command = next((word for word in words if word in COMMANDS), None)
     try:
-        parsed, unknown = build_parser(command).parse_known_args(words)
-        if unknown:
-            said = f"unrecognized arguments: {' '.join(unknown)}"
-            raise InputError(f"{said} (see `usmbench {parsed.command} --help`)")
-        return int(parsed.run(parsed))
+        return _run(words, command)
     except UsmbenchError as error:
         notes = getattr(error, "__notes__", [])
         print(printable("; ".join([f"usmbench: {error}", *notes])), file=sys.stderr)
@@ -99,8 +98,31 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return STOPPED_BY_USER
     except BrokenPipeError:
         # The reader of our output has gone (a pager that was quit): nothing left to say.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        drop_output()
         return 0
+    except OSError as error:
+        drop_output()
+        where = error.filename or "standard output"
+        print(f"usmbench: {where}: {error.strerror or error}; look at it", file=sys.stderr)
+        return InputError.exit_status
+
+
+def _run(words: Sequence[str], command: str | None) -> int:
+    """Run the command, and print all that it says."""
+    parsed, unknown = build_parser(command).parse_known_args(words)
+    if unknown:
+        said = f"unrecognized arguments: {' '.join(unknown)}"
+        raise InputError(f"{said} (see `usmbench {parsed.command} --help`)")
+    status = int(parsed.run(parsed))
+    sys.stdout.flush()
+    return status
+
+
+def _take_any_text() -> None:
+    """Show what a terminal or a file cannot encode as a question mark."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="replace")
 
 
 def entry_point() -> NoReturn:

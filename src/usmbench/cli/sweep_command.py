@@ -10,9 +10,11 @@ from typing import Any, TextIO
 
 from usmbench.cli.bench_session import SIMULATED, open_bench
 from usmbench.cli.live_panel import LivePanel
+from usmbench.cli.output import print_or_drop
 from usmbench.cli.simulated_motor import SimulatedMotor
 from usmbench.cli.sweep_run import sweep_again, sweep_new
 from usmbench.errors import InputError
+from usmbench.report.plain_text import file_name
 from usmbench.runs.columns import RUN_FILE
 from usmbench.runs.meta import read_meta
 from usmbench.settings.bench import BenchSettings
@@ -85,7 +87,7 @@ def run(args: argparse.Namespace) -> int:
     if args.dry_run:
         print("\n".join(describe(plan, settings, interlocks_of(plan, settings))))
         return 0
-    folder = args.out or RUNS_FOLDER / f"{datetime.now():%Y%m%dT%H%M%S}-{plan.name}"
+    folder = args.out or RUNS_FOLDER / f"{datetime.now():%Y%m%dT%H%M%S}-{file_name(plan.name)}"
     _check_absent(folder)
     return _drive(args, args.bench, plan, folder)
 
@@ -142,7 +144,7 @@ def _named_at_the_end(folder: Path) -> Iterator[None]:
         yield
     finally:
         if (folder / RUN_FILE).exists():
-            print(folder, flush=True)
+            print_or_drop(folder)
 
 
 def _resume(args: argparse.Namespace) -> int:

@@ -16,6 +16,8 @@ from usmbench.runs.time_step import GAP_WINDOWS, alike
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
+_STANDS_RAD_S = 1e-9
+
 
 def from_windows(records: Sequence[Record]) -> Dataset:
     """Gather the driven windows of runs, cut where time jumps or the operating point changes.
@@ -98,6 +100,11 @@ def _dataset(
     for point, _ in found:
         points.setdefault(point, len(points))
     segments = tuple(segment.at(points[point]) for point, segment in found)
+    if max(float(np.max(np.abs(segment.speed_rad_s))) for segment in segments) < _STANDS_RAD_S:
+        raise InputError(
+            f"{', '.join(run.name for run in runs)}: the motor never moved; is the encoder "
+            "connected, and was the drive on?"
+        )
     spans_deg = []
     for point, index in points.items():
         own = [segment.phase_deg for segment in segments if segment.point == index]

@@ -7,6 +7,7 @@ import numpy as np
 import yaml
 
 from usmbench.errors import InputError
+from usmbench.model.extended import applied_effects
 from usmbench.model.hammerstein import (
     HammersteinModel,
     LinearPart,
@@ -14,11 +15,14 @@ from usmbench.model.hammerstein import (
     StaticCurve,
 )
 from usmbench.model.inverse_map import check_knots
+from usmbench.model.linear import poles
+from usmbench.runs.output_files import write_output
 from usmbench.settings.schema import check
 from usmbench.settings.yaml_source import Source, read_source
 
 FORMAT = "usmbench-model"
 VERSION = 1
+_MOST_BYTES = 50_000_000  # of hundred operating points with all that is known of them
 
 
 def write_model(path: Path, model: HammersteinModel) -> None:
@@ -40,12 +44,7 @@ def write_model(path: Path, model: HammersteinModel) -> None:
     text = head + yaml.dump(
         to_mapping(model), Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100
     )
-    try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError(
-            f"cannot be written ({error.strerror}); give a file in a folder that exists", file=path
-        ) from error
+    write_output(path, text)
 
 
 def read_model(path: Path) -> HammersteinModel:
@@ -61,13 +60,18 @@ def read_model(path: Path) -> HammersteinModel:
     InputError
         The file is missing, no model, of a newer version, or lacks or distorts a value.
     """
-    source = read_source(path)
+    source = read_source(path, _MOST_BYTES)
     _check_format(source.document, path)
     check(source, "model")
-    _check_limit(source)
+    _check_linear(source)
     for index, point in enumerate(source.document["points"]):
         _check_curve(source, index, point)
-    return from_mapping(source.document)
+    model = from_mapping(source.document)
+    try:
+        applied_effects(model.effects)
+    except InputError as error:
+        raise source.error(("effects",), str(error)) from error
+    return model
 
 
 def to_mapping(model: HammersteinModel) -> dict[str, Any]:
@@ -142,9 +146,11 @@ def _check_format(content: object, path: Path) -> None:
         )
 
 
-def _check_limit(source: Source) -> None:
-    """Refuse a torque limit beside anything but a lag with a time step."""
+def _check_linear(source: Source) -> None:
+    """Refuse dynamics that run away, and a torque limit beside anything but a lag in time steps."""
     linear = source.document["linear"]
+    if linear["a"] and not np.max(np.abs(poles(np.array(linear["a"], dtype=np.float64)))) < 1.0:
+        raise source.error(("linear", "a"), "has a pole of size 1 or more: no speed would settle")
     lag = len(linear["a"]) == 1 and -1.0 < linear["a"][0] < 0.0
     if linear.get("slip_limit_rad_s") is not None and not (lag and linear["window_s"]):
         raise source.error(
@@ -154,7 +160,12 @@ def _check_limit(source: Source) -> None:
 
 
 def _check_curve(source: Source, index: int, point: dict[str, Any]) -> None:
-    """Refuse knots that do not rise, and ordinates that do not belong to them."""
+    """Refuse knots that do not rise, ordinates that do not belong to them, a range that is none."""
+    low_deg, high_deg = point["phase_range_deg"]
+    if not low_deg < high_deg:
+        raise source.error(
+            ("points", index, "phase_range_deg"), "gives the lowest phase first, then the highest"
+        )
     knots, delta = point["knots_deg"], point["delta_rad_s"]
     if len(knots) != len(delta):
         raise source.error(

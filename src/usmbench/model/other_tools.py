@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from usmbench.errors import InputError
+from usmbench.runs.output_files import cannot_write
 
 _LONGEST: Final = 63  # MATLAB's namelengthmax
 
@@ -74,7 +75,4 @@ def writing(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise InputError(
-            f"cannot be written ({error.strerror or error}); give a file in a folder that exists",
-            file=path,
-        ) from error
+        raise cannot_write(path, error) from error

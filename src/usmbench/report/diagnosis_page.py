@@ -4,7 +4,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from usmbench.diagnose.result import Diagnosis, Trace, View
-from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.report.diagnosis_figures import legend, trace_figure, view_figure
 from usmbench.report.diagnosis_style import STYLE
@@ -28,6 +27,7 @@ from usmbench.report.diagnosis_text import (
 )
 from usmbench.runs.columns import WINDOWS_FILE
 from usmbench.runs.meta import sha256_of
+from usmbench.runs.output_files import write_output
 from usmbench.runs.record import Record
 
 _MOST_TRACES = 6
@@ -64,14 +64,7 @@ def write_diagnosis_page(
     """
     files = [model_file, *(_windows_of(Path(record.name)) for record in records)]
     sums = {str(file): sha256_of(file) for file in files}
-    page = diagnosis_page(diagnosis, records, model, sums)
-    try:
-        path.write_text(page, encoding="utf-8")
-    except OSError as error:
-        raise InputError(
-            f"cannot be written ({error.strerror}); give --report a file in a folder that exists",
-            file=path,
-        ) from error
+    write_output(path, diagnosis_page(diagnosis, records, model, sums))
 
 
 def _windows_of(run: Path) -> Path:

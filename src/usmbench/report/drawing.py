@@ -1,11 +1,13 @@
 """What the plots share: how the passes are marked, and the file."""
 
 import warnings
+from io import BytesIO
 from pathlib import Path
 
 from matplotlib.figure import Figure
 
 from usmbench.errors import InputError
+from usmbench.runs.output_files import write_output
 
 CURVE_POINTS = 721
 _FORMATS = {".png", ".svg", ".pdf"}
@@ -30,12 +32,9 @@ def save_figure(figure: Figure, path: Path) -> None:
     """
     if path.suffix.lower() not in _FORMATS:
         raise InputError("its ending names no format; give a .png, .svg or .pdf", file=path)
-    try:
-        with warnings.catch_warnings():
-            # A run's name may hold letters that the plot's font does not have.
-            warnings.filterwarnings("ignore", "Glyph .* missing from font")
-            figure.savefig(path, dpi=130)
-    except OSError as error:
-        why = error.strerror or error
-        message = f"cannot be written ({why}); give a file in a folder that exists"
-        raise InputError(message, file=path) from None
+    drawn = BytesIO()
+    with warnings.catch_warnings():
+        # A run's name may hold letters that the plot's font does not have.
+        warnings.filterwarnings("ignore", "Glyph .* missing from font")
+        figure.savefig(drawn, dpi=130, format=path.suffix.lower()[1:])
+    write_output(path, drawn.getvalue())

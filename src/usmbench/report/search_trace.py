@@ -2,10 +2,11 @@
 
 import csv
 from collections.abc import Sequence
+from io import StringIO
 from pathlib import Path
 
-from usmbench.errors import InputError
 from usmbench.identify.paper_lm import LmStep
+from usmbench.runs.output_files import write_output
 
 HEADER = ("iteration", "sse", "mu", "lambda", "accepted")
 
@@ -26,16 +27,11 @@ def write_trace(path: Path, trace: Sequence[LmStep]) -> None:
     usmbench.errors.InputError
         The file cannot be written.
     """
-    try:
-        with path.open("w", encoding="utf-8", newline="") as stream:
-            table = csv.writer(stream)
-            table.writerow(HEADER)
-            table.writerows(
-                (step.iteration, step.sse, step.damping, step.gain_ratio, int(step.accepted))
-                for step in trace
-            )
-    except OSError as error:
-        raise InputError(
-            f"cannot be written ({error.strerror}); give --trace a file in a folder that exists",
-            file=path,
-        ) from error
+    text = StringIO()
+    table = csv.writer(text)
+    table.writerow(HEADER)
+    table.writerows(
+        (step.iteration, step.sse, step.damping, step.gain_ratio, int(step.accepted))
+        for step in trace
+    )
+    write_output(path, text.getvalue())

@@ -68,27 +68,29 @@ def spelled(path: PathInDocument) -> str:
     return "".join(words).removeprefix(".")
 
 
-def read_source(file: Path) -> Source:
+def read_source(file: Path, most_bytes: int = MAX_BYTES) -> Source:
     """Read a YAML file.
 
     Parameters
     ----------
     file
         The file.
+    most_bytes
+        What is longer is refused unread.
 
     Raises
     ------
     usmbench.errors.InputError
-        It cannot be read, or is not plain YAML.
+        It cannot be read, is too long, or is not plain YAML.
     """
     try:
         with file.open("rb") as stream:
-            content = stream.read(MAX_BYTES + 1)
+            content = stream.read(most_bytes + 1)
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(f"cannot be read: {reason}; check the path", file=file) from None
-    if len(content) > MAX_BYTES:
-        raise InputError(f"is longer than {MAX_BYTES} bytes: not a settings file", file=file)
+    if len(content) > most_bytes:
+        raise InputError(f"is longer than {most_bytes} bytes: check the path", file=file)
     try:
         text = content.decode("utf-8")
     except UnicodeDecodeError as error:

@@ -12,6 +12,7 @@ from hil_sim.defects import CATALOGUE, Defect, defective_plant, parse_defect
 from hil_sim.defects.paths import WiredPlant
 from hil_sim.plant import PlantParameters
 from hil_sim.signals import Drive
+from usmbench.errors import InputError
 
 RATE_HZ = 10_000.0
 COUNT_RAD = 2.0 * math.pi / 2000.0
@@ -253,3 +254,9 @@ def test_a_draw_has_its_unit_its_sign_and_a_size_that_grows(kind: type[Defect]) 
     assert sizes[0] > 0.0
     assert kind.mechanism
     assert kind.__doc__
+
+
+@pytest.mark.parametrize("size", ["nan", "inf", "-1e300", "much", ""])
+def test_what_is_no_size_is_refused_with_the_unit(size: str) -> None:
+    with pytest.raises(InputError, match="is no size; give a number in µm"):
+        parse_defect(f"eccentric_disc={size}")

@@ -96,3 +96,11 @@ def test_a_folder_named_like_a_run_that_is_none_is_left_alone(
 def test_a_seed_below_zero_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["demo", "--out", str(tmp_path / "demo"), "--seed", "-1"]) == 2
     assert "0 or more" in capsys.readouterr().err
+
+
+def test_the_status_is_that_of_the_step_that_ended_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "file").write_text("")
+    assert main(["demo", "--out", str(tmp_path / "file" / "demo")]) == 2
+    assert "the demo ends here: `usmbench sweep` returned 2" in capsys.readouterr().err

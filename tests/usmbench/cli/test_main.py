@@ -1,6 +1,7 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -96,3 +97,30 @@ main.entry_point()
         [sys.executable, "-c", code], env={**environment, "OPENBLAS_NUM_THREADS": "7"}, check=False
     )
     assert users.returncode == 7
+
+
+def _printing_to(target: str, *words: str, encoding: str = "utf-8") -> tuple[int, str]:
+    with open(target, "w") as out:  # noqa: PTH123 - a device
+        done = subprocess.run(
+            [sys.executable, "-m", "usmbench", *words],
+            stdout=out,
+            stderr=subprocess.PIPE,
+            text=True,
+            env={**os.environ, "PYTHONIOENCODING": encoding},
+            timeout=60,
+        )
+    return done.returncode, done.stderr
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="Linux has it")  # noqa: PTH110
+def test_an_output_that_is_full_is_one_line() -> None:
+    status, said = _printing_to("/dev/full", "sweep", "phase-sweep", "--dry-run")
+    assert status == 2
+    assert said == "usmbench: standard output: No space left on device; look at it\n"
+
+
+def test_an_output_that_lacks_letters_gets_question_marks(tmp_path: Path) -> None:
+    out = tmp_path / "out.txt"
+    status, said = _printing_to(str(out), "sweep", "phase-sweep", "--dry-run", encoding="ascii")
+    assert (status, said) == (0, "")
+    assert b"-90? " in out.read_bytes()

@@ -169,3 +169,19 @@ def test_the_address_is_json_for_programs() -> None:
         assert set(address) >= {"port", "daq"}
         process.communicate(timeout=20)
     assert process.returncode == 0
+
+
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
+def test_whoever_reads_may_go_and_the_status_is_told_still(
+    tmp_path: Path, how: signal.Signals
+) -> None:
+    process = sweep_process(tmp_path, plan_file(tmp_path, repeats=500), "--out", "run")
+    assert process.stdout is not None
+    assert process.stderr is not None
+    process.stdout.close()
+    wait_for_rows(tmp_path / "run" / "windows.csv", 50)
+    process.send_signal(how)
+    assert process.wait(timeout=30) == 130
+    assert "stopped by" in process.stderr.read()
+    process.stderr.close()
+    assert read_run(tmp_path / "run").meta["exit"] == "interrupted"

@@ -87,8 +87,12 @@ def test_an_offset_is_found_alone_where_the_curve_has_not_levelled_off_at_its_en
 
 def test_a_run_in_which_nothing_moves_is_refused(model: HammersteinModel) -> None:
     still = replace(measured(7), speed_rad_s=np.zeros(measured(7).t_s.size))
-    with pytest.raises(InputError, match="every speed is 0 where the model turns"):
+    with pytest.raises(InputError, match="the speed is 0 throughout where the model turns"):
         diagnose([still], model)
+    still.speed_rad_s[100] = 0.3  # a stray count
+    with pytest.raises(InputError, match="the speed is 0 throughout where the model turns"):
+        diagnose([still], model)
+    still.speed_rad_s[100] = 0.0
     at_rest = replace(still, phase_deg=np.zeros(still.t_s.size))
     assert diagnose([at_rest], model).verdict == "no_discrepancy"
 
@@ -315,6 +319,26 @@ class TestBadInput:
         broken = replace(model, residual={"diagnosis": {"noise": 3}})
         with pytest.raises(InputError, match="is damaged"):
             diagnose([measured(3, n=500)], broken)
+
+    @pytest.mark.parametrize(
+        ("part", "key", "value"),
+        [
+            ("noise", "phase_deg", []),
+            ("noise", "step_spread_rad_s", [1.0]),
+            ("noise", "same_again", [1.0, 2.0]),
+            ("noise", "ar", [1.0, 2.0]),
+            ("noise", "innovation", 0.0),
+            ("features", "nodes_deg", [2.0, 1.0]),
+            ("features", "unmeasured_rad_s", [1.0]),
+        ],
+    )
+    def test_knowledge_of_another_shape(
+        self, model: HammersteinModel, part: str, key: str, value: object
+    ) -> None:
+        content = model.residual["diagnosis"]
+        broken = {**content, part: {**content[part], key: value}}
+        with pytest.raises(InputError, match="is damaged"):
+            diagnose([measured(3, n=500)], replace(model, residual={"diagnosis": broken}))
 
 
 def test_what_predicts_worse_is_no_name(

@@ -75,3 +75,9 @@ def test_runs_of_two_motors_are_refused(measure: Measure) -> None:
     runs = [replace(measure(seed=k), meta={"motor": f"USR60 #{k}"}) for k in (1, 2)]
     with pytest.raises(InputError, match="do not belong together: run 1 is of USR60 #1"):
         from_windows(runs)
+
+
+def test_a_motor_that_never_moved_is_refused(measure: Measure) -> None:
+    still = measure()
+    with pytest.raises(InputError, match="the motor never moved"):
+        from_windows([replace(still, speed_rad_s=0.0 * still.speed_rad_s)])

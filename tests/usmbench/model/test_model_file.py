@@ -1,6 +1,7 @@
 """A model survives its file; a file that is none is refused with its name."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -69,6 +70,10 @@ def test_the_file_says_its_version_and_a_newer_one_is_refused(tmp_path: Path) ->
         ("window_s: 0.01", "other: 0.01", r"linear: has no key window_s"),
         ("dead_time_windows: 1", "dead_time_windows: many", "'many' is not a whole number"),
         ("a: [-0.05]", "a: [-0.05, 0.2]", r"slip_limit_rad_s: needs one a between -1 and 0"),
+        ("a: [-0.05]", "a: [-1.5]", r"linear.a: has a pole of size 1 or more"),
+        ("[-88.0, 90.0]", "[90.0, -88.0]", "phase_range_deg: gives the lowest phase first"),
+        ("phase_offset", "gremlins", "effects: the cause 'gremlins' .* is not installed"),
+        ("offset_deg: 2.0", "other: 2.0", "effects: the model's effect phase_offset lacks"),
         ("a: [-0.05]", "a: [.nan]", r"linear.a\[0\]: not a number"),
         ("knots_deg: [-90.0,", "knots_deg: [95.0,", r"points\[0\].knots_deg: the knots must rise"),
         ("delta_rad_s: [-10.0, 0.1, 10.0]", "delta_rad_s: [1.0, 2.0]", "2 ordinates for 3 knots"),
@@ -99,3 +104,11 @@ def test_keys_of_the_users_own_are_ignored(tmp_path: Path) -> None:
     write_model(path, model())
     path.write_text(path.read_text(encoding="utf-8") + "note: mine\n", encoding="utf-8")
     assert read_model(path).method == "fast"
+
+
+def test_a_model_of_many_points_is_read_back(tmp_path: Path) -> None:
+    path = tmp_path / "model.yaml"
+    large = replace(model(), residual={"noise": np.arange(200_000.0).tolist()})
+    write_model(path, large)
+    assert path.stat().st_size > 1_000_000
+    assert read_model(path).residual == large.residual

@@ -205,7 +205,7 @@ def test_a_file_that_cannot_be_written_is_said_in_one_line(
 ) -> None:
     csv = tmp_path / "run.csv"
     csv.write_text("t_s\n")
-    with pytest.raises(InputError, match="give --report a file"):
+    with pytest.raises(InputError, match="give a file in a folder that exists"):
         write_diagnosis_page(
             tmp_path / "absent" / "report.html",
             make_diagnosis(),

@@ -32,3 +32,8 @@ def test_a_run_without_a_row_is_refused() -> None:
     none = np.empty(0)
     with pytest.raises(InputError, match="there is no row"):
         check_numbers(Record("a run", none, none, none, none))
+
+
+def test_a_number_beyond_all_measuring_is_refused() -> None:
+    with pytest.raises(InputError, match="speed_rad_s of row 2 is 1e"):
+        check_numbers(replace(RECORD, speed_rad_s=np.r_[1.0, 2.0, 1e300, 4.0, 5.0]))

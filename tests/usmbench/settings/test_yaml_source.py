@@ -112,5 +112,5 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
         read_source(latin)
     long = tmp_path / "long.yaml"
     long.write_bytes(b"#" * 1_000_001)
-    with pytest.raises(InputError, match="not a settings file"):
+    with pytest.raises(InputError, match="is longer than 1000000 bytes"):
         read_source(long)

@@ -35,7 +35,7 @@ Array = NDArray[np.float64]
 
 KEY = "diagnosis"
 _CAUTIOUS_CURVE = 0.2  # of the model's noise, at each node
-_CAUTIOUS_LAG = 0.02
+_CAUTIOUS_LAG = 0.001
 _TABLE = 2001
 
 
@@ -167,7 +167,8 @@ def knowledge_of(model: HammersteinModel) -> Knowledge:
             float(content["spikes_hz"]),
             tuple(content["habits"]),
         )
-    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        applied_effects(known.habits)
+    except (AttributeError, IndexError, KeyError, TypeError, ValueError, InputError) as error:
         raise InputError(
             f"the model's residual: {KEY} is damaged ({error}); identify the model again"
         ) from error
@@ -183,6 +184,11 @@ def _features(content: dict[str, Any]) -> Features:
     """Return the shapes that a model file keeps."""
     nodes_deg = tuple(float(node) for node in content["nodes_deg"])
     steepest_rad_s = content.get("steepest_rad_s")
+    unmeasured_rad_s = content.get("unmeasured_rad_s", ())
+    if len(nodes_deg) < 2 or np.any(np.diff(nodes_deg) <= 0.0):
+        raise ValueError("features.nodes_deg does not rise")
+    if len(unmeasured_rad_s) not in (0, len(nodes_deg)):
+        raise ValueError("features.unmeasured_rad_s has not one value a node")
     return Features(
         nodes_deg,
         float(content["top_rad_s"]),
@@ -190,7 +196,7 @@ def _features(content: dict[str, Any]) -> Features:
         int(content.get("n_points", 1)),
         int(content.get("n_places", 0)),
         None if steepest_rad_s is None else float(steepest_rad_s),
-        tuple(float(off) for off in content.get("unmeasured_rad_s", ())),
+        tuple(float(off) for off in unmeasured_rad_s),
     )
 
 
@@ -200,9 +206,10 @@ def _cautious(model: HammersteinModel) -> Knowledge:
     low_deg = min(p.phase_range_deg[0] for p in model.points)
     high_deg = max(p.phase_range_deg[1] for p in model.points)
     table_deg = np.linspace(low_deg, high_deg, _TABLE)
+    speeds = [p.curve.speed_rad_s(table_deg) for p in model.points]
     features = Features(
-        phase_nodes(table_deg, [p.curve.speed_rad_s(table_deg) for p in model.points]),
-        max(max(float(np.max(np.abs(p.curve.delta))) for p in model.points), 1e-9),
+        phase_nodes(table_deg, speeds),
+        max(float(np.max(np.abs(speeds))), 1e-9),
         1.0,
         len(model.points),
         len(places_among(model.points, list(np.eye(len(model.points))))),

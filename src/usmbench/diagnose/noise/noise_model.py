@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.model.linear import poles
 
 Array = NDArray[np.float64]
 
@@ -130,10 +131,26 @@ def noise_from_mapping(content: dict[str, Any]) -> Noise:
     ------
     KeyError
         A key is missing.
+    ValueError
+        What is there is of another shape, or no noise.
     """
     names = [field.name for field in fields(Noise) if field.name != "innovation"]
     arrays = {name: np.array(content[name], dtype=np.float64) for name in names}
-    return Noise(innovation=float(content["innovation"]), **arrays)
+    noise = Noise(innovation=float(content["innovation"]), **arrays)
+    sizes = noise.step_rad_s.shape
+    shapes = {
+        "sigma_rad_s": (max(noise.phase_deg.size, 1),),
+        "step_spread_rad_s": (LAGS, KINDS, *sizes[2:]),
+        "step_rad_s": (LAGS, KINDS, max(sizes[-1:], default=1) or 1),
+        "start_rad_s": (len(STARTS),),
+        "same_again": (LAGS,),
+    }
+    for name, shape in shapes.items():
+        if getattr(noise, name).shape != shape:
+            raise ValueError(f"noise.{name} has not the shape {shape}")
+    if np.max(np.abs(poles(-noise.ar)), initial=0.0) >= 1.0 or not noise.innovation > 0.0:
+        raise ValueError("noise.ar and noise.innovation are no noise")
+    return noise
 
 
 def bend_rad_s(stretch: Stretch) -> Array:
