@@ -13,7 +13,6 @@ from usmbench.errors import InputError
 PathInDocument = tuple[str | int, ...]
 
 MAX_BYTES = 1_000_000
-MAX_NODES = 200_000
 MAX_DEPTH = 30
 # Beyond this no setting of a bench makes sense, and arithmetic on Python's unbounded integers
 # would fail far from the line that is wrong.
@@ -120,7 +119,7 @@ def parse_source(text: str, file: str) -> Source:
         node = loader.get_single_node()
         if node is None:
             raise InputError("is empty; write the settings into it", file=file)
-        lines = {path: at.start_mark.line + 1 for path, at in _walk(node, file)}
+        lines = {path: at.start_mark.line + 1 for path, at in _walk(node, file, len(text))}
         document = loader.construct_document(node)
     except yaml.YAMLError as error:
         raise _yaml_error(error, file) from None
@@ -137,14 +136,17 @@ def parse_source(text: str, file: str) -> Source:
     return source
 
 
-def _walk(root: yaml.Node, file: str) -> Iterator[tuple[PathInDocument, yaml.Node]]:
-    """Yield every node and its path; bounded, since an alias may lead back to its own parent."""
+def _walk(root: yaml.Node, file: str, most: int) -> Iterator[tuple[PathInDocument, yaml.Node]]:
+    """Yield every node and its path.
+
+    An alias may lead back to its own parent; without, no node is shorter than a letter.
+    """
     waiting: list[tuple[PathInDocument, yaml.Node]] = [((), root)]
     seen = 0
     while waiting:
         path, node = waiting.pop()
         seen += 1
-        if len(path) > MAX_DEPTH or seen > MAX_NODES:
+        if len(path) > MAX_DEPTH or seen > most:
             line = node.start_mark.line + 1
             raise InputError("is nested too deeply or refers to itself", file=file, line=line)
         yield path, node
