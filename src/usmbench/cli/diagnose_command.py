@@ -148,7 +148,11 @@ def _write(args: argparse.Namespace, judged: Judged, model: HammersteinModel) ->
 def _write_plan(file: Path, found: Diagnosis) -> None:
     """Write the next experiment, or say that there is none."""
     if found.next_experiment is None:
-        print(f"usmbench: no experiment is proposed; {file} is not written", file=sys.stderr)
+        print(
+            "usmbench: no experiment is proposed: nothing is open, or no plan within the phases, "
+            f"frequencies and torques that the model knows would decide; {file} is not written",
+            file=sys.stderr,
+        )
         return
     plan = yaml.safe_dump(found.next_experiment["plan"], sort_keys=False, width=100)
     write_output(file, plan)

@@ -25,7 +25,7 @@ from usmbench.diagnose.naming.found import (
     verdict_on,
 )
 from usmbench.diagnose.naming.ranking import Ranked, alternatives
-from usmbench.diagnose.naming.remainder import describe
+from usmbench.diagnose.naming.remainder import LOUD, describe
 from usmbench.diagnose.naming.search import search
 from usmbench.diagnose.naming.sporadic import Sporadic, find_sporadic, left_unnamed
 from usmbench.diagnose.residual.own_effects import cut_beside_own, known_of, own_effects
@@ -127,7 +127,7 @@ def _held(found: Found) -> _Held:
     found = scattered
     struck = () if sporadic is None else sporadic.struck
     gain = held_out_gain(found.problem, found.fit, struck)
-    if found.named and gain.worse:
+    if found.named and gain.none:
         return _held(found.without_names)
     return _Held(found, says, sporadic, gain)
 
@@ -145,9 +145,13 @@ def _report(
     singles = () if held.sporadic is None else (held.sporadic.applied,)
     effects = [applied.to_mapping() for applied in (*fit.effects, *singles)]
     views = residual_views(problem, found.left_rad_s, found.spread)
-    silent = held.verdict in ("no_discrepancy", "explained")
+    says = held.verdict
+    shown = max(view.excess_after for view in views)
+    if says == "explained" and min(shown, gain.left_over) > LOUD:
+        says = "partly_explained"
+    silent = says in ("no_discrepancy", "explained")
     return Diagnosis(
-        verdict=held.verdict,
+        verdict=says,
         causes=tuple(_causes(held)),
         candidates=tuple(_candidate(r, found) for r in _best_forms(found.ranked)),
         not_testable=refused,

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from usmbench.errors import InputError
 from usmbench.identify.data import Dataset, FittedRun, Point, Segment, describe
-from usmbench.runs.check_record import check_motors, check_numbers
+from usmbench.runs.check_record import check_numbers, check_together
 from usmbench.runs.record import Record
 from usmbench.runs.time_step import GAP_WINDOWS, alike
 
@@ -40,7 +40,7 @@ def from_windows(records: Sequence[Record]) -> Dataset:
     found: list[tuple[Point, Segment]] = []
     runs: list[FittedRun] = []
     warnings: list[str] = []
-    check_motors(records)
+    check_together(records)
     for number, record in enumerate(records):
         check_numbers(record)
         _check_window(record, records[0].name, window_s)
@@ -73,7 +73,7 @@ def from_pairs(records: Sequence[Record]) -> Dataset:
     found: list[tuple[Point, Segment]] = []
     runs: list[FittedRun] = []
     warnings: list[str] = []
-    check_motors(records)
+    check_together(records)
     for number, record in enumerate(records):
         check_numbers(record)
         phase_deg, speed_rad_s, keys = _pairs_of(record, warnings)

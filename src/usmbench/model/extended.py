@@ -67,6 +67,22 @@ def applied_effects(entries: Sequence[Mapping[str, Any]]) -> tuple[Applied, ...]
     return tuple(found)
 
 
+def foreseen_effects(entries: Sequence[Mapping[str, Any]]) -> tuple[Applied, ...]:
+    """Return the effects that a free run can follow: of single windows nobody foresees which.
+
+    Parameters
+    ----------
+    entries
+        A model file's `effects`.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        As `applied_effects`.
+    """
+    return tuple(a for a in applied_effects(entries) if not a.effect.sporadic)
+
+
 @dataclass(frozen=True, slots=True)
 class ExtendedRun:
     """What the stages give.

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from usmbench.errors import InputError
 from usmbench.model.effects.base import Context
-from usmbench.model.extended import applied_effects, extended_run
+from usmbench.model.extended import extended_run, foreseen_effects
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.mixed_curve import beyond_range, settled_speed
 from usmbench.model.operating_points import point_weights
@@ -57,7 +57,7 @@ def simulate(
     Parameters
     ----------
     model
-        The model.
+        The model. Its effects that strike single windows are left out.
     phase_deg
         Commanded phase of each window, shape (N,).
     frequency_hz, torque_nm
@@ -101,6 +101,6 @@ def simulate(
         angle_rad,
         detuning_rad_s=mixed_slope(point_slopes(model.points), weights),
     )
-    run = extended_run(applied_effects(model.effects), context, measured_rad_s)
+    run = extended_run(foreseen_effects(model.effects), context, measured_rad_s)
     outside_phase = beyond_range(model.points, weights, phase_deg)
     return Simulation(run.speed_rad_s, run.settled_rad_s, outside_phase, outside_point)

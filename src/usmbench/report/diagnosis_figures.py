@@ -10,7 +10,7 @@ from usmbench.report.diagnosis_svg import Axis, Panel, data_range, drawing, thin
 
 Array = NDArray[np.float64]
 
-_LEFT_PX = 56.0
+_LEFT_PX = 68.0
 _RIGHT_PX = 8.0
 _VIEW_PX = (340.0, 230.0)
 # A few windows at large steps of φ would flatten all others: their residual is cut at the edge.

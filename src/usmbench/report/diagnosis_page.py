@@ -164,12 +164,13 @@ def _traces(diagnosis: Diagnosis) -> str:
     figures = "".join(_trace(trace, extended=extended) for trace in shown)
     more = len(diagnosis.traces) - len(shown)
     rest = f'<p class="note">{more} more stretches are not drawn.</p>' if more else ""
+    thin = ", with the cause in it thin" if extended else ""
     return (
         '<h2 id="runs">Measured against simulated</h2>'
         '<p class="how">Above, the speed; below, what each simulation leaves of it. The '
         "simulation runs free: it is given the commands and never the measured speed. Below, "
-        "the simulation is broad and pale, with the cause in it thin; what lies beyond "
-        "the axis is drawn at its edge.</p>"
+        f"the simulation is broad and pale{thin}; what lies beyond the axis is drawn at its "
+        "edge.</p>"
         f"{legend(*entries)}{figures}{rest}"
     )
 

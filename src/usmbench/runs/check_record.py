@@ -38,8 +38,8 @@ def check_numbers(record: Record) -> None:
             )
 
 
-def check_motors(records: Sequence[Record]) -> None:
-    """Refuse runs of different motors.
+def check_together(records: Sequence[Record]) -> None:
+    """Refuse runs of different motors, and a run that is given twice.
 
     Parameters
     ----------
@@ -49,9 +49,17 @@ def check_motors(records: Sequence[Record]) -> None:
     Raises
     ------
     usmbench.errors.InputError
-        They name more than one motor.
+        They name more than one motor, or have one id.
     """
     motors = {str(r.meta["motor"]): r.name for r in records if r.meta.get("motor") is not None}
     if len(motors) > 1:
         said = "; ".join(f"{name} is of {motor}" for motor, name in motors.items())
         raise InputError(f"these runs do not belong together: {said}; take one motor at a time")
+    seen: dict[str, str] = {}
+    for record in records:
+        identity = record.meta.get("id")
+        if identity is not None and str(identity) in seen:
+            raise InputError(
+                f"{record.name}: is the same run as {seen[str(identity)]}; give each run once"
+            )
+        seen[str(identity)] = record.name

@@ -13,6 +13,7 @@ from usmbench.runs.record import Column, Pairs
 _GRID: Final = {"phase_deg": 0.001, "frequency_hz": 0.1, "torque_nm": 1e-6, "direction": 1.0}
 # What is another one in every run.
 _ALWAYS_DIFFERENT: Final = frozenset({"id", "started", "stopped", "resumed", "sha256", "imported"})
+_BY_CHANCE: Final = frozenset({"bench.daq.address", "bench.generator.port"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,10 +119,16 @@ def differing_keys(
     Parameters
     ----------
     first, second
-        What the two run.yaml say. Times, ids and check sums are passed over.
+        What the two run.yaml say. Times, ids and check sums are passed over, and where the
+        simulated bench happened to listen.
     """
+    benches = [said.get("bench") for said in (first, second)]
+    simulated = all(isinstance(b, dict) and b.get("name") == "simulated" for b in benches)
+    passed_over = _BY_CHANCE if simulated else ()
     for key in sorted((first.keys() | second.keys()) - _ALWAYS_DIFFERENT):
-        yield from _differing(key, first.get(key), second.get(key))
+        for found in _differing(key, first.get(key), second.get(key)):
+            if found[0] not in passed_over:
+                yield found
 
 
 def _differing(key: str, first: Any, second: Any) -> Iterator[tuple[str, Any, Any]]:

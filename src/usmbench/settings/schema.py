@@ -97,6 +97,11 @@ def _listed(values: Iterable[Any]) -> str:
     return ", ".join(str(value) for value in values)
 
 
+def _choices(values: Iterable[Any]) -> str:
+    """List values, in quotes where they would be misread, such as a comma or a tab."""
+    return _listed(v if str(v).isidentifier() else repr(v) for v in values)
+
+
 def did_you_mean(word: str, known: Sequence[str]) -> str:
     """Return a hint at the known word nearest to an unknown one, or at all of them.
 
@@ -180,7 +185,7 @@ _MESSAGES: dict[str, Callable[[_Fault], str]] = {
     "minimum": _limit("is below", "at least"),
     "maximum": _limit("is above", "at most"),
     "exclusiveMinimum": _limit("is not above", "more than"),
-    "enum": lambda f: f"{_shown(f.value)} is not known; choose from: {_listed(f.wanted)}",
+    "enum": lambda f: f"{_shown(f.value)} is not known; choose from: {_choices(f.wanted)}",
     "const": lambda f: f"{_shown(f.value)} is not supported; write {f.wanted}",
     "minItems": _length("entries", "at least"),
     "maxItems": _length("entries", "at most"),

@@ -347,7 +347,7 @@ def test_what_predicts_worse_is_no_name(
     record = measured(12, applied("phase_offset", "", offset_deg=0.5))
     (cause,) = diagnose([record], model).causes
     assert cause.name == "phase_offset"
-    monkeypatch.setattr(Gain, "worse", True)
+    monkeypatch.setattr(Gain, "none", True)
     found = diagnose([record], model)
     assert found.verdict == "unexplained"
     assert found.causes == ()
@@ -356,9 +356,19 @@ def test_what_predicts_worse_is_no_name(
     assert len(set(found.warnings)) == len(found.warnings)
 
 
-@pytest.mark.parametrize(("after", "worse"), [(0.1, False), (0.101, False), (0.103, True)])
-def test_a_little_worse_is_chance(after: float, worse: bool) -> None:
-    assert Gain(0.1, after, 0.05, 0.0, 0.0, 0.0).worse == worse
+@pytest.mark.parametrize(
+    ("before", "after", "gain", "none"),
+    [
+        (0.1, 0.05, 1.0, False),
+        (0.1, 0.101, 0.0, True),
+        (0.1, 0.099, 0.03, True),  # of twice the noise, what matters is something else
+        (0.051, 0.0508, 0.05, False),
+    ],
+)
+def test_what_gains_nothing_is_no_name(
+    before: float, after: float, gain: float, none: bool
+) -> None:
+    assert Gain(before, after, 0.05, gain, gain, gain).none == none
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from usmbench.errors import InputError
-from usmbench.runs.check_record import check_numbers
+from usmbench.runs.check_record import check_numbers, check_together
 from usmbench.runs.record import Record
 
 T_S = 0.01 * np.arange(1.0, 6.0)
@@ -37,3 +37,10 @@ def test_a_run_without_a_row_is_refused() -> None:
 def test_a_number_beyond_all_measuring_is_refused() -> None:
     with pytest.raises(InputError, match="speed_rad_s of row 2 is 1e"):
         check_numbers(replace(RECORD, speed_rad_s=np.r_[1.0, 2.0, 1e300, 4.0, 5.0]))
+
+
+def test_a_run_that_is_given_twice_is_refused() -> None:
+    first, other = (replace(RECORD, name=n, meta={"id": n}) for n in ("a", "b"))
+    check_together([first, other, RECORD, RECORD])
+    with pytest.raises(InputError, match="copy: is the same run as a; give each run once"):
+        check_together([first, other, replace(first, name="copy")])

@@ -20,7 +20,7 @@ from usmbench.model.mixed_curve import beyond_range
 from usmbench.model.operating_points import places_among, point_weights
 from usmbench.model.replay import middle_angle_rad
 from usmbench.model.resonance_slope import point_slopes
-from usmbench.runs.check_record import check_motors
+from usmbench.runs.check_record import check_together
 from usmbench.runs.dwells import dwell_begin
 from usmbench.runs.record import Record
 from usmbench.runs.time_step import GAP_WINDOWS
@@ -61,7 +61,7 @@ def cut_runs(
     slopes = None if along is None else [slope.rad_s(NODES_DEG) for slope in along]
     stretches: list[Stretch] = []
     warnings: list[str] = []
-    check_motors(records)
+    check_together(records)
     for record in records:
         check_run(record, model)
     sizes = [record.t_s.size for record in records]

@@ -14,6 +14,7 @@ from itertools import permutations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import norm
 
 from usmbench.diagnose.cutting.stretches import first_windows
@@ -26,7 +27,7 @@ from usmbench.diagnose.fitting.refining import refine
 from usmbench.diagnose.fitting.robust import robust_spread
 from usmbench.diagnose.known.knowledge import Knowledge
 from usmbench.diagnose.naming.ranking import telling_deviance
-from usmbench.diagnose.noise.noise_estimate import estimate_noise
+from usmbench.diagnose.noise.noise_estimate import estimate_noise, held_to
 from usmbench.diagnose.noise.noise_model import Noise
 from usmbench.diagnose.residual.own_effects import cut_beside_own, known_of, own_effects
 from usmbench.diagnose.residual.problem import Problem
@@ -163,14 +164,20 @@ class _Design:
         """Noise and its spread, with the best guess taken out of the residual."""
         stretches = self._stretches
         uses = [s.use for s in stretches]
-        rough = self._known.noise or estimate_noise(
-            stretches, [s.residual_rad_s for s in stretches], uses
-        )
+        rough = self._noise_of([s.residual_rad_s for s in stretches])
         problem = Problem(stretches, self._known, rough, uses, self._own)
         left = problem.left_rad_s(effects)
-        noise = self._known.noise or estimate_noise(stretches, left, uses)
+        noise = self._noise_of(left)
         white = problem.weighed(noise, uses).carried(left)
         return noise, robust_spread(white[: problem.n_rows])
+
+    def _noise_of(self, residuals: Sequence[NDArray[np.float64]]) -> Noise:
+        """Return the noise that the model knows, or that residuals show."""
+        if self._known.noise is not None:
+            return self._known.noise
+        stretches = self._stretches
+        found = estimate_noise(stretches, residuals, [s.use for s in stretches])
+        return held_to(found, stretches, self._known.stated_rad_s)
 
     def margin(self, experiment: Experiment | None) -> float:
         """Return how far the closest two lie apart, with one more run or without."""

@@ -7,16 +7,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Mask
-from usmbench.diagnose.fitting.blocks import BLOCKS, FOLDS, block_of, held_out, unseen_from
+from usmbench.diagnose.fitting.blocks import (
+    BLOCKS,
+    FOLDS,
+    block_of,
+    held_out,
+    levels_of,
+    unseen_from,
+)
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.refining import refine
+from usmbench.diagnose.fitting.scanning import fit_effect, sharpen
 from usmbench.diagnose.residual.problem import Problem
 
 Array = NDArray[np.float64]
 
 _DRAWS = 400
 _SEED = 1
-_WORSE = 1.04  # times the mean square: what explains by the whitened residual has to predict, too
+_GROSS, _HARDLY = 1.25, 0.1  # times the noise's mean square; of what is beyond it
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,9 +48,22 @@ class Gain:
     high: float
 
     @property
-    def worse(self) -> bool:
-        """Whether the extension predicts plainly worse than the model as given."""
-        return self.rmse_extended_rad_s**2 > _WORSE * self.rmse_simulation_rad_s**2
+    def left_over(self) -> float:
+        """What the extension leaves, over the noise."""
+        return self.rmse_extended_rad_s / max(self.noise_floor_rad_s, 1e-12)
+
+    @property
+    def none(self) -> bool:
+        """Whether the extension predicts no better, or hardly touches what is plainly wrong."""
+        before, after, noise = (
+            value**2
+            for value in (
+                self.rmse_simulation_rad_s,
+                self.rmse_extended_rad_s,
+                self.noise_floor_rad_s,
+            )
+        )
+        return after >= before or (before > _GROSS * noise and self.gain < _HARDLY)
 
 
 def held_out_gain(problem: Problem, fit: Fit, struck: Sequence[Mask] = ()) -> Gain:
@@ -62,10 +83,11 @@ def held_out_gain(problem: Problem, fit: Fit, struck: Sequence[Mask] = ()) -> Ga
         each; then the model as given has to answer for all that do. Empty for no such name.
     """
     held = [s.residual_rad_s.copy() for s in problem.stretches]
-    for fold, refit in _refits(problem, fit):
-        for k, change in enumerate(problem.change_rad_s(refit.effects)):
-            rows = held_out(problem.stretches[k], fold)
-            held[k][rows] -= change[rows]
+    for rows, refit in _refits(problem, fit):
+        for own, unseen, change in zip(
+            held, rows, problem.change_rad_s(refit.effects), strict=True
+        ):
+            own[unseen] -= change[unseen]
     sums = []
     alone = struck or [np.zeros_like(mask) for mask in problem.masks]
     masks = [mask & ~a for mask, a in zip(problem.masks, alone, strict=True)]
@@ -123,23 +145,42 @@ def held_out_drop(problem: Problem, fit: Fit) -> Array:
         The effects at their values on all rows.
     """
     drop = np.zeros(FOLDS)
-    for fold, refit in _refits(problem, fit):
-        unseen = problem.with_masks(
-            [m & held_out(s, fold) for m, s in zip(problem.masks, problem.stretches, strict=True)]
-        )
+    for fold, (rows, refit) in enumerate(_refits(problem, fit)):
+        unseen = problem.with_masks([m & r for m, r in zip(problem.masks, rows, strict=True)])
         drop[fold] = unseen.drop(refit.effects)
     return drop
 
 
-def _refits(problem: Problem, fit: Fit) -> Iterator[tuple[int, Fit]]:
-    """Yield each fold with the effects at their values on the rows of the others.
+def _refits(problem: Problem, fit: Fit) -> Iterator[tuple[list[Mask], Fit]]:
+    """Yield the rows of each fold, and the effects at their values on the rows of the others.
 
-    Rows that the dynamics tie to the fold are left out of the fit, too.
+    Rows that the dynamics tie to the fold are left out of the fit, too. Where a plan comes back to
+    its phases, all blocks of time look alike to what is fitted to where each phase falls, such as a
+    grid: it is searched anew on some of the phases, and has to foretell the others.
     """
+    jagged = any(a.effect.jagged for a in fit.effects)
+    phases = levels_of(problem.stretches) if jagged else None
     for fold in range(FOLDS) if fit.effects else ():
-        pairs = zip(problem.masks, problem.stretches, strict=True)
-        masks = [mask & ~unseen_from(stretch, fold) for mask, stretch in pairs]
-        yield fold, refine(problem.with_masks(masks), fit)
+        if phases is not None:
+            held = [level % FOLDS == fold for level in phases]
+            unseen = held
+        else:
+            held = [held_out(s, fold) for s in problem.stretches]
+            unseen = [unseen_from(s, fold) for s in problem.stretches]
+        pairs = zip(problem.masks, unseen, strict=True)
+        seen = problem.with_masks([mask & ~out for mask, out in pairs])
+        yield held, refine(seen, fit if phases is None else _searched_anew(seen, fit))
+
+
+def _searched_anew(problem: Problem, fit: Fit) -> Fit:
+    """Search for jagged effects anew, beside the others."""
+    effects = list(fit.effects)
+    for k, applied in enumerate(fit.effects):
+        if applied.effect.jagged:
+            rest = [a for i, a in enumerate(effects) if i != k]
+            again = sharpen(problem, fit_effect(problem, applied.effect, rest), rest)
+            effects[k] = again.effects[-1]
+    return Fit(tuple(effects), 0.0, 0.0)
 
 
 def _shares(table: Array) -> tuple[Array, float]:

@@ -35,7 +35,7 @@ Array = NDArray[np.float64]
 
 KEY = "diagnosis"
 _CAUTIOUS_CURVE = 0.2  # of the model's noise, at each node
-_CAUTIOUS_LAG = 0.001
+_CAUTIOUS_LAG = 0.002  # of the step
 _TABLE = 2001
 
 
@@ -61,6 +61,8 @@ class Knowledge:
     habits
         What the bench does to every command and the model does not know, such as its own grid of
         phases: entries of a model's `effects`.
+    stated_rad_s
+        Standard deviation of the noise that a model states which says no more of it; 0 for none.
     """
 
     noise: Noise | None
@@ -70,6 +72,7 @@ class Knowledge:
     wander: Wander
     spikes_hz: float = 0.0
     habits: tuple[dict[str, Any], ...] = ()
+    stated_rad_s: float = 0.0
 
     @property
     def habit_names(self) -> frozenset[str]:
@@ -223,4 +226,5 @@ def _cautious(model: HammersteinModel) -> Knowledge:
         np.zeros(len(groups)),
         np.diag([deviation.get(g, 0.0) for g in groups]),
         wander_of_shares(LEAST, features.top_rad_s, features.n_points, features.n_places),
+        stated_rad_s=noise_rad_s,
     )

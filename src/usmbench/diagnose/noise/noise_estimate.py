@@ -18,6 +18,7 @@ from usmbench.diagnose.noise.noise_model import (
     farther_out,
     step_kind,
 )
+from usmbench.diagnose.noise.spikes import whole_count_rad_s
 from usmbench.identify.noise import autoregression
 from usmbench.identify.robust import OVER_MEDIAN
 
@@ -32,6 +33,7 @@ _FEWEST_STARTS, _FEWEST_PAIRS, _FEWEST_QUIET = 20, 100, 50  # rows
 _QUIET_SHARE, _NO_STEP_RAD_S = 0.2, 1e-9  # of the rows of a rotor that turns
 _CALM, _FEWEST_CALM = 0.9, 500  # of the level; rows
 _FAR = 4.0  # times the noise: what is farther out counts as that far
+_AS_STATED = 1.2  # times: what a model states is rounded, and an estimate off by a tenth
 
 
 def estimate_noise(
@@ -203,3 +205,28 @@ def _colour(
         return autoregression(left, counts[0])
     rows = [f[m] / v[m, None] for f, v, m in zip(fitted, levels, masks, strict=True)]
     return autoregression(left + taken_by_fit(rows, left, counts[0]), counts[0])
+
+
+def held_to(noise: Noise, stretches: Sequence[Stretch], stated_rad_s: float) -> Noise:
+    """Return an estimated noise, no larger than a model states and counting adds.
+
+    Of a run alone nobody knows what is noise: a hum that the model does not have looks like it. A
+    window's counts are the difference of two angles, each off by anything within a count.
+
+    Parameters
+    ----------
+    noise
+        The estimate.
+    stretches
+        The runs.
+    stated_rad_s
+        Standard deviation that the model states; 0 for none.
+    """
+    if stated_rad_s <= 0.0:
+        return noise
+    counts = [s.context.count_rad_s or whole_count_rad_s(s) for s in stretches]
+    counting_rad_s = max((c for c in counts if np.isfinite(c)), default=0.0) / np.sqrt(6.0)
+    most_rad_s = _AS_STATED * float(np.hypot(stated_rad_s, counting_rad_s))
+    calm = np.concatenate([noise.calm_rad_s(s)[s.use] for s in stretches])
+    least = most_rad_s / max(float(np.sqrt(np.mean(calm**2))), 1e-12)
+    return replace(noise, sigma_rad_s=min(least, 1.0) * noise.sigma_rad_s)

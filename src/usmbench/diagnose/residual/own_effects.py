@@ -8,7 +8,7 @@ from usmbench.diagnose.cutting.one_angle import at_models_angle, at_one_angle
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.knowledge import Knowledge, knowledge_of
 from usmbench.diagnose.residual.form import doubting_own
-from usmbench.model.extended import Applied, applied_effects
+from usmbench.model.extended import Applied, applied_effects, foreseen_effects
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.runs.record import Record
 
@@ -21,7 +21,7 @@ def own_effects(model: HammersteinModel) -> tuple[Applied, ...]:
     model
         The model. What strikes single windows is left out: no simulation foresees which.
     """
-    return (*_named(model), *applied_effects(knowledge_of(model).habits))
+    return (*foreseen_effects(model.effects), *applied_effects(knowledge_of(model).habits))
 
 
 def known_of(model: HammersteinModel) -> Knowledge:
@@ -35,11 +35,6 @@ def known_of(model: HammersteinModel) -> Knowledge:
     known = knowledge_of(model)
     struck_hz = [a.values["rate_hz"] for a in applied_effects(model.effects) if a.effect.sporadic]
     return replace(known, spikes_hz=known.spikes_hz + sum(struck_hz))
-
-
-def _named(model: HammersteinModel) -> list[Applied]:
-    """Return the effects by which a model was extended, those of single windows aside."""
-    return [a for a in applied_effects(model.effects) if not a.effect.sporadic]
 
 
 def cut_beside_own(
@@ -68,6 +63,6 @@ def cut_beside_own(
     """
     own = own_effects(model)
     stretches, warnings = cut_runs(records, model, own)
-    in_doubt = own[: len(_named(model))] if doubted else ()
+    in_doubt = own[: len(foreseen_effects(model.effects))] if doubted else ()
     stretches, told = at_models_angle(stretches, own) if in_doubt else at_one_angle(stretches)
     return doubting_own(stretches, own, in_doubt), [*warnings, *told]
