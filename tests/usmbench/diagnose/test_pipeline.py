@@ -379,3 +379,25 @@ def test_a_healthy_run_of_hardly_any_phases_is_judged(
 ) -> None:
     record = driven(np.tile(phases_deg, 1200 // len(phases_deg)), 5)
     assert diagnose([record], model).causes == ()
+
+
+def test_a_hum_is_no_noise_of_a_model_that_states_its_noise(model: HammersteinModel) -> None:
+    by_hand = replace(model, residual={})
+    healthy = measured(3)
+    assert diagnose([healthy], by_hand).verdict == "no_discrepancy"
+    hum = 0.2 * np.sin(2.0 * np.pi * 7.3 * healthy.t_s)
+    humming = replace(healthy, speed_rad_s=healthy.speed_rad_s + hum)
+    found = diagnose([humming], by_hand)
+    assert (found.verdict, found.causes) == ("unexplained", ())
+
+
+@pytest.mark.parametrize("wider_deg", [0.4, 0.6])
+def test_a_dead_zone_that_is_wider_is_no_grid_though_a_staircase_repeats_its_levels(
+    model: HammersteinModel, wider_deg: float
+) -> None:
+    up_deg = np.linspace(-88.0, 88.0, 34)
+    phase_deg = np.tile(np.repeat(np.r_[up_deg, up_deg[::-1]], 10), 3)
+    within = np.abs(phase_deg) < 30.0
+    seen_deg = phase_deg - wider_deg * np.sign(phase_deg) * within
+    run = replace(driven(seen_deg, 7), phase_deg=phase_deg)
+    assert "phase_quantisation" not in {cause.name for cause in diagnose([run], model).causes}

@@ -10,7 +10,7 @@ import pytest
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.fitting.fit import Fit
-from usmbench.diagnose.known.knowledge import knowledge_of
+from usmbench.diagnose.known.knowledge import Knowledge, knowledge_of
 from usmbench.diagnose.naming.ranking import Ranked, rank
 from usmbench.diagnose.naming.stepwise import Named, name_causes
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
@@ -25,12 +25,19 @@ from usmbench.runs.record import Record
 LOST = Applied(find_effect("stick_slip", ""), {"lost_rad_s": 0.2, "fades_rad_s": 2.0})
 
 
+def _of_no_lag(model: HammersteinModel) -> Knowledge:
+    """Return what is known of a model whose runs are of a motor without its lag."""
+    known = knowledge_of(model)
+    lags = np.array([group.startswith("lag") for group in known.features.groups])
+    return replace(known, root=np.where(np.diag(lags), 0.02, known.root))
+
+
 def _stuck(stretches: list[Stretch], model: HammersteinModel, *habits: Applied) -> Problem:
     """Return runs of a rotor that sticks."""
     uses = [s.use for s in stretches]
     noise = np.random.default_rng(1)
     white = [0.01 * noise.standard_normal(s.context.n) for s in stretches]
-    known = replace(knowledge_of(model), habits=tuple(h.to_mapping() for h in habits))
+    known = replace(_of_no_lag(model), habits=tuple(h.to_mapping() for h in habits))
     problem = Problem(stretches, known, estimate_noise(stretches, white, uses), uses)
     problem.residual_rad_s = white
     return _with_residual_of(problem, LOST)
