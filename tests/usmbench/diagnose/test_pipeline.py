@@ -389,15 +389,3 @@ def test_a_hum_is_no_noise_of_a_model_that_states_its_noise(model: HammersteinMo
     humming = replace(healthy, speed_rad_s=healthy.speed_rad_s + hum)
     found = diagnose([humming], by_hand)
     assert (found.verdict, found.causes) == ("unexplained", ())
-
-
-@pytest.mark.parametrize("wider_deg", [0.4, 0.6])
-def test_a_dead_zone_that_is_wider_is_no_grid_though_a_staircase_repeats_its_levels(
-    model: HammersteinModel, wider_deg: float
-) -> None:
-    up_deg = np.linspace(-88.0, 88.0, 34)
-    phase_deg = np.tile(np.repeat(np.r_[up_deg, up_deg[::-1]], 10), 3)
-    within = np.abs(phase_deg) < 30.0
-    seen_deg = phase_deg - wider_deg * np.sign(phase_deg) * within
-    run = replace(driven(seen_deg, 7), phase_deg=phase_deg)
-    assert "phase_quantisation" not in {cause.name for cause in diagnose([run], model).causes}

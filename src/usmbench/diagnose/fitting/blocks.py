@@ -1,7 +1,5 @@
 """Blocks of the runs that a fit does not see."""
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,7 +7,6 @@ from usmbench.diagnose.cutting.stretches import Mask, Stretch
 from usmbench.model.linear import memory_windows
 
 BLOCKS, FOLDS = 12, 4  # of a stretch; every fourth block is held out at a time
-_FEWEST_LEVELS, _COME_BACK = 12, 8  # phases; rows a phase
 _MARGIN = 5  # windows beyond the memory of the dynamics
 
 
@@ -52,23 +49,3 @@ def unseen_from(stretch: Stretch, fold: int) -> Mask:
     reach = np.convolve(rows.astype(np.float64), np.ones(2 * gap + 1), mode="full")
     wide: Mask = reach[gap : gap + rows.size] > 0.5
     return wide
-
-
-def levels_of(stretches: Sequence[Stretch]) -> list[NDArray[np.int64]] | None:
-    """Return the number of each row's phase among all, rising, by stretch, shape (N,).
-
-    Parameters
-    ----------
-    stretches
-        The runs.
-
-    Returns
-    -------
-    list or None
-        None where phases hardly come back, or are too few to be foretold from each other.
-    """
-    phases = np.concatenate([s.context.phase_deg for s in stretches])
-    levels, number = np.unique(np.round(phases, 6), return_inverse=True)
-    if not _FEWEST_LEVELS <= levels.size <= phases.size / _COME_BACK:
-        return None
-    return np.split(number, np.cumsum([s.context.n for s in stretches])[:-1])

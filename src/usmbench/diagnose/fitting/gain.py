@@ -12,12 +12,10 @@ from usmbench.diagnose.fitting.blocks import (
     FOLDS,
     block_of,
     held_out,
-    levels_of,
     unseen_from,
 )
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.refining import refine
-from usmbench.diagnose.fitting.scanning import fit_effect, sharpen
 from usmbench.diagnose.residual.problem import Problem
 
 Array = NDArray[np.float64]
@@ -154,33 +152,13 @@ def held_out_drop(problem: Problem, fit: Fit) -> Array:
 def _refits(problem: Problem, fit: Fit) -> Iterator[tuple[list[Mask], Fit]]:
     """Yield the rows of each fold, and the effects at their values on the rows of the others.
 
-    Rows that the dynamics tie to the fold are left out of the fit, too. Where a plan comes back to
-    its phases, all blocks of time look alike to what is fitted to where each phase falls, such as a
-    grid: it is searched anew on some of the phases, and has to foretell the others.
+    Rows that the dynamics tie to the fold are left out of the fit, too.
     """
-    jagged = any(a.effect.jagged for a in fit.effects)
-    phases = levels_of(problem.stretches) if jagged else None
     for fold in range(FOLDS) if fit.effects else ():
-        if phases is not None:
-            held = [level % FOLDS == fold for level in phases]
-            unseen = held
-        else:
-            held = [held_out(s, fold) for s in problem.stretches]
-            unseen = [unseen_from(s, fold) for s in problem.stretches]
-        pairs = zip(problem.masks, unseen, strict=True)
-        seen = problem.with_masks([mask & ~out for mask, out in pairs])
-        yield held, refine(seen, fit if phases is None else _searched_anew(seen, fit))
-
-
-def _searched_anew(problem: Problem, fit: Fit) -> Fit:
-    """Search for jagged effects anew, beside the others."""
-    effects = list(fit.effects)
-    for k, applied in enumerate(fit.effects):
-        if applied.effect.jagged:
-            rest = [a for i, a in enumerate(effects) if i != k]
-            again = sharpen(problem, fit_effect(problem, applied.effect, rest), rest)
-            effects[k] = again.effects[-1]
-    return Fit(tuple(effects), 0.0, 0.0)
+        pairs = zip(problem.masks, problem.stretches, strict=True)
+        masks = [mask & ~unseen_from(stretch, fold) for mask, stretch in pairs]
+        rows = [held_out(stretch, fold) for stretch in problem.stretches]
+        yield rows, refine(problem.with_masks(masks), fit)
 
 
 def _shares(table: Array) -> tuple[Array, float]:
