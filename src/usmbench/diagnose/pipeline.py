@@ -113,7 +113,7 @@ class _Held:
 
 
 def _held(found: Found) -> _Held:
-    """Judge what was found, and once more without the names where they predict worse."""
+    """Judge what was found, and once more without the names where they gain nothing."""
     sporadic = find_sporadic(found.problem, found.fit.effects, found.spread)
     if sporadic is not None and sporadic.named.name in {r[0].effect.name for r in found.named}:
         sporadic = None
@@ -124,12 +124,11 @@ def _held(found: Found) -> _Held:
     scattered = found.scattered
     if scattered is not found and scattered.after.p_value > PLAINLY:
         says = "explained"
-    found = scattered
     struck = () if sporadic is None else sporadic.struck
-    gain = held_out_gain(found.problem, found.fit, struck)
+    gain = held_out_gain(scattered.problem, scattered.fit, struck)
     if found.named and gain.none:
         return _held(found.without_names)
-    return _Held(found, says, sporadic, gain)
+    return _Held(scattered, says, sporadic, gain)
 
 
 def _report(

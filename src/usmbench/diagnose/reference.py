@@ -19,6 +19,7 @@ from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.noise.spikes import PLAIN, count_steady, off_steps, spiked
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.errors import InputError
+from usmbench.identify.wild_rows import without_wild_rows
 from usmbench.model.effects.base import Stage
 from usmbench.model.effects.registry import library
 from usmbench.model.extended import Applied
@@ -43,6 +44,7 @@ def with_knowledge(model: HammersteinModel, records: Sequence[Record]) -> Hammer
         Those runs. Runs whose windows the model does not describe (a list of settled pairs, a
         handful of rows) leave the model as it is.
     """
+    records = [without_wild_rows(record) for record in records]
     try:
         stretches, _ = cut_runs(records, model, ())
     except InputError:

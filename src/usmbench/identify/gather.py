@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from usmbench.errors import InputError
 from usmbench.identify.data import Dataset, FittedRun, Point, Segment, describe
+from usmbench.identify.wild_rows import BEYOND, wild_rows
 from usmbench.runs.check_record import check_numbers, check_together
 from usmbench.runs.record import Record
 from usmbench.runs.time_step import GAP_WINDOWS, alike
@@ -49,6 +50,14 @@ def from_windows(records: Sequence[Record]) -> Dataset:
             warnings.append(
                 f"{record.name}: time jumps at {jumps.size} rows (first at row {jumps[0]}, "
                 f"{record.t_s[jumps[0]]:g} s); the run is cut there"
+            )
+        wild = wild_rows(record)
+        if wild.any():
+            row = int(np.argmax(wild))
+            warnings.append(
+                f"{record.name}: {np.count_nonzero(wild)} rows are {BEYOND:g} times as fast as "
+                f"nearly all others and left out (first row {row}, "
+                f"{record.speed_rad_s[row]:.4g} rad/s)"
             )
         pieces = list(_pieces(record, number, jumps))
         runs.append(_fitted(record, sum(segment.n for _, segment in pieces)))
@@ -138,13 +147,16 @@ def _pieces(
 
 
 def _used(record: Record) -> Mask | None:
-    """Rows with the drive on, after the warm-up; None where the run does not tell them apart."""
+    """Rows with the drive on, after the warm-up, and of a speed that may be; None for all."""
     drive_on = record.extra.get("drive_on")
     masks = []
     if drive_on is not None and np.issubdtype(drive_on.dtype, np.floating):
         masks.append(np.asarray(drive_on, dtype=np.float64) != 0.0)
     if record.sweep is not None:
         masks.append(record.sweep >= 0.0)
+    wild = wild_rows(record)
+    if wild.any():
+        masks.append(~wild)
     return np.logical_and.reduce(masks) if masks else None
 
 

@@ -81,3 +81,12 @@ def test_a_motor_that_never_moved_is_refused(measure: Measure) -> None:
     still = measure()
     with pytest.raises(InputError, match="the motor never moved"):
         from_windows([replace(still, speed_rad_s=0.0 * still.speed_rad_s)])
+
+
+def test_a_row_that_no_motor_makes_is_left_out_and_told(measure: Measure) -> None:
+    record = measure()
+    record.speed_rad_s[200] = 1e6
+    data = from_windows([record])
+    assert max(float(np.max(np.abs(s.speed_rad_s))) for s in data.segments) < 20.0
+    assert data.runs[0].rows == record.t_s.size - 1
+    assert any("1 rows are 5 times as fast" in w and "row 200" in w for w in data.warnings)

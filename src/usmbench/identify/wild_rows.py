@@ -1,0 +1,47 @@
+"""Rows of a speed that no motor and no cause of ours makes: one of them is all that a fit sees."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.runs.record import Record
+
+Mask = NDArray[np.bool_]
+
+_NEARLY_ALL, BEYOND = 0.99, 5.0  # of the rows; times their speed
+
+
+def wild_rows(record: Record) -> Mask:
+    """Return the rows that are far faster than nearly all others, shape (N,).
+
+    Parameters
+    ----------
+    record
+        The run.
+    """
+    size = np.abs(record.speed_rad_s)
+    usual = float(np.quantile(size, _NEARLY_ALL))
+    wild: Mask = size > BEYOND * usual if usual > 0.0 else np.zeros(size.size, dtype=np.bool_)
+    return wild
+
+
+def without_wild_rows(record: Record) -> Record:
+    """Return a run with a gap in its time where such rows were.
+
+    Parameters
+    ----------
+    record
+        The run.
+    """
+    kept = ~wild_rows(record)
+    if kept.all():
+        return record
+    columns = {field.name: getattr(record, field.name) for field in fields(record)}
+    shorter = {
+        name: column[kept]
+        for name, column in columns.items()
+        if isinstance(column, np.ndarray) and column.shape[:1] == kept.shape
+    }
+    extra = {name: column[kept] for name, column in record.extra.items()}
+    return replace(record, **shorter, extra=extra)
