@@ -1,6 +1,7 @@
 """Rows of a speed that no motor and no cause of ours makes: one of them is all that a fit sees."""
 
 from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,11 +38,10 @@ def without_wild_rows(record: Record) -> Record:
     kept = ~wild_rows(record)
     if kept.all():
         return record
-    columns = {field.name: getattr(record, field.name) for field in fields(record)}
-    shorter = {
+    changes: dict[str, Any] = {
         name: column[kept]
-        for name, column in columns.items()
-        if isinstance(column, np.ndarray) and column.shape[:1] == kept.shape
+        for name in (field.name for field in fields(record))
+        if isinstance(column := getattr(record, name), np.ndarray) and column.shape == kept.shape
     }
-    extra = {name: column[kept] for name, column in record.extra.items()}
-    return replace(record, **shorter, extra=extra)
+    changes["extra"] = {name: column[kept] for name, column in record.extra.items()}
+    return replace(record, **changes)
