@@ -85,7 +85,7 @@ def test_a_signal_ends_it_without_a_word(number: signal.Signals) -> None:
         (["--load", "nan"], "load torque"),
         (["--seed", "-1"], "seed"),
         (["--defect", "gremlin"], "no such mechanism"),
-        (["--defect", "command_queue=long"], "give a size in ms"),
+        (["--defect", "command_queue=long"], "give a number in ms"),
     ],
 )
 def test_a_wrong_argument_is_one_line_and_status_2(

@@ -176,9 +176,9 @@ def test_a_run_as_simulated_proposes_nothing_and_writes_no_plan(
         (["--budget", "2"], "--bench"),
         (["--runs-folder", "x"], "--bench"),
         (["--bench", "simulated", "--budget", "0"], "at least 1"),
-        (["--next", "absent/next.yaml"], "another file for --next"),
-        (["--report", "absent/report.html"], "--report"),
-        (["--json", "absent/found.json"], "--json"),
+        (["--next", "absent/next.yaml"], "absent/next.yaml: cannot be written"),
+        (["--report", "absent/report.html"], "absent/report.html: cannot be written"),
+        (["--json", "absent/found.json"], "absent/found.json: cannot be written"),
     ],
 )
 def test_bad_input_is_one_line_and_status_2(
