@@ -11,8 +11,8 @@ def drop_output() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def print_or_drop(text: object) -> bool:
-    """Print a line, and return whether it could be printed.
+def print_or_drop(text: object) -> None:
+    """Print a line, if it can be printed.
 
     Parameters
     ----------
@@ -23,5 +23,3 @@ def print_or_drop(text: object) -> bool:
         print(text, flush=True)
     except OSError:
         drop_output()
-        return False
-    return True

@@ -12,7 +12,7 @@ from usmbench.identify.data import Dataset, FittedRun, Point, Segment, describe
 from usmbench.identify.wild_rows import BEYOND, wild_rows
 from usmbench.runs.check_record import check_numbers, check_together
 from usmbench.runs.record import Record
-from usmbench.runs.time_step import GAP_WINDOWS, alike
+from usmbench.runs.time_step import alike, breaks
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -45,7 +45,7 @@ def from_windows(records: Sequence[Record]) -> Dataset:
     for number, record in enumerate(records):
         check_numbers(record)
         _check_window(record, records[0].name, window_s)
-        jumps = np.flatnonzero(np.diff(record.t_s) > GAP_WINDOWS * window_s) + 1
+        jumps = breaks(record.t_s, window_s)
         if jumps.size:
             warnings.append(
                 f"{record.name}: time jumps at {jumps.size} rows (first at row {jumps[0]}, "

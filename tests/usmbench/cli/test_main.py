@@ -112,7 +112,6 @@ def _printing_to(target: str, *words: str, encoding: str = "utf-8") -> tuple[int
     return done.returncode, done.stderr
 
 
-@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="Linux has it")  # noqa: PTH110
 def test_an_output_that_is_full_is_one_line() -> None:
     status, said = _printing_to("/dev/full", "sweep", "phase-sweep", "--dry-run")
     assert status == 2

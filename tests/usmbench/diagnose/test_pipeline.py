@@ -282,65 +282,6 @@ def test_what_is_known_comes_back_from_the_model_file(
     assert again.residual["diagnosis"] == model.residual["diagnosis"]
 
 
-class TestBadInput:
-    def test_runs_of_two_motors(self, model: HammersteinModel) -> None:
-        one, two = (replace(measured(k, n=500), meta={"motor": f"motor {k}"}) for k in (1, 2))
-        with pytest.raises(InputError, match="do not belong together"):
-            diagnose([one, two], model)
-
-    def test_a_run_too_short(self, model: HammersteinModel) -> None:
-        with pytest.raises(InputError, match="measure at least"):
-            diagnose([measured(3, n=40)], model)
-
-    def test_a_speed_that_is_no_number(self, model: HammersteinModel) -> None:
-        record = measured(3, n=500)
-        record.speed_rad_s[17] = np.nan
-        with pytest.raises(InputError, match="row 17 is nan"):
-            diagnose([record], model)
-
-    def test_a_run_outside_the_model(self, model: HammersteinModel) -> None:
-        record = measured(3, n=500)
-        with pytest.raises(InputError, match="outside"):
-            diagnose([replace(record, phase_deg=record.phase_deg + 150.0)], model)
-
-    def test_other_windows(self, model: HammersteinModel) -> None:
-        record = measured(3, n=500)
-        slow = replace(record, window_s=2.0 * record.window_s, t_s=2.0 * record.t_s)
-        with pytest.raises(InputError, match="windows of 20 ms"):
-            diagnose([slow], model)
-
-    def test_a_shaft_that_hardly_turns_cannot_show_the_disc(self, model: HammersteinModel) -> None:
-        record = measured(3, n=500)
-        still = replace(record, phase_deg=np.zeros(500), speed_rad_s=np.zeros(500))
-        found = diagnose([still], model)
-        assert "encoder_eccentricity" in dict(found.not_testable)
-
-    def test_damaged_knowledge(self, model: HammersteinModel) -> None:
-        broken = replace(model, residual={"diagnosis": {"noise": 3}})
-        with pytest.raises(InputError, match="is damaged"):
-            diagnose([measured(3, n=500)], broken)
-
-    @pytest.mark.parametrize(
-        ("part", "key", "value"),
-        [
-            ("noise", "phase_deg", []),
-            ("noise", "step_spread_rad_s", [1.0]),
-            ("noise", "same_again", [1.0, 2.0]),
-            ("noise", "ar", [1.0, 2.0]),
-            ("noise", "innovation", 0.0),
-            ("features", "nodes_deg", [2.0, 1.0]),
-            ("features", "unmeasured_rad_s", [1.0]),
-        ],
-    )
-    def test_knowledge_of_another_shape(
-        self, model: HammersteinModel, part: str, key: str, value: object
-    ) -> None:
-        content = model.residual["diagnosis"]
-        broken = {**content, part: {**content[part], key: value}}
-        with pytest.raises(InputError, match="is damaged"):
-            diagnose([measured(3, n=500)], replace(model, residual={"diagnosis": broken}))
-
-
 def test_what_predicts_worse_is_no_name(
     model: HammersteinModel, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -354,21 +295,6 @@ def test_what_predicts_worse_is_no_name(
     assert found.remainder is not None
     assert found.extended.effects == ()
     assert len(set(found.warnings)) == len(found.warnings)
-
-
-@pytest.mark.parametrize(
-    ("before", "after", "gain", "none"),
-    [
-        (0.1, 0.05, 1.0, False),
-        (0.1, 0.101, 0.0, True),
-        (0.1, 0.099, 0.03, True),  # of twice the noise, what matters is something else
-        (0.051, 0.0508, 0.05, False),
-    ],
-)
-def test_what_gains_nothing_is_no_name(
-    before: float, after: float, gain: float, none: bool
-) -> None:
-    assert Gain(before, after, 0.05, gain, gain, gain).none == none
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,7 @@ from usmbench.model.resonance_slope import point_slopes
 from usmbench.runs.check_record import check_together
 from usmbench.runs.dwells import dwell_begin
 from usmbench.runs.record import Record
-from usmbench.runs.time_step import GAP_WINDOWS
+from usmbench.runs.time_step import breaks
 
 Array = NDArray[np.float64]
 
@@ -65,8 +65,7 @@ def cut_runs(
     for record in records:
         check_run(record, model)
     sizes = [record.t_s.size for record in records]
-    gaps = [GAP_WINDOWS * float(np.median(record.window_s)) for record in records]
-    jumps = [np.flatnonzero(np.diff(r.t_s) > g) + 1 for r, g in zip(records, gaps, strict=True)]
+    jumps = [breaks(record.t_s, float(np.median(record.window_s))) for record in records]
     pieces = _pieces(sizes, jumps, min(1.0, _MOST_WINDOWS / sum(sizes)))
     for run, record in enumerate(records):
         angle_rad = middle_angle_rad(record)

@@ -27,7 +27,7 @@ from usmbench.diagnose.fitting.refining import refine
 from usmbench.diagnose.fitting.robust import robust_spread
 from usmbench.diagnose.known.knowledge import Knowledge
 from usmbench.diagnose.naming.ranking import telling_deviance
-from usmbench.diagnose.noise.noise_estimate import estimate_noise, held_to
+from usmbench.diagnose.noise.noise_estimate import noise_as_stated
 from usmbench.diagnose.noise.noise_model import Noise
 from usmbench.diagnose.residual.own_effects import cut_beside_own, known_of, own_effects
 from usmbench.diagnose.residual.problem import Problem
@@ -175,9 +175,8 @@ class _Design:
         """Return the noise that the model knows, or that residuals show."""
         if self._known.noise is not None:
             return self._known.noise
-        stretches = self._stretches
-        found = estimate_noise(stretches, residuals, [s.use for s in stretches])
-        return held_to(found, stretches, self._known.stated_rad_s)
+        uses = [s.use for s in self._stretches]
+        return noise_as_stated(self._stretches, residuals, uses, self._known.stated_rad_s)
 
     def margin(self, experiment: Experiment | None) -> float:
         """Return how far the closest two lie apart, with one more run or without."""

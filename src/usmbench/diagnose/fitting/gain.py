@@ -53,15 +53,9 @@ class Gain:
     @property
     def none(self) -> bool:
         """Whether the extension predicts no better, or hardly touches what is plainly wrong."""
-        before, after, noise = (
-            value**2
-            for value in (
-                self.rmse_simulation_rad_s,
-                self.rmse_extended_rad_s,
-                self.noise_floor_rad_s,
-            )
-        )
-        return after >= before or (before > _GROSS * noise and self.gain < _HARDLY)
+        before, noise = self.rmse_simulation_rad_s, self.noise_floor_rad_s
+        plain = before**2 > _GROSS * noise**2
+        return self.rmse_extended_rad_s >= before or (plain and self.gain < _HARDLY)
 
 
 def held_out_gain(problem: Problem, fit: Fit, struck: Sequence[Mask] = ()) -> Gain:

@@ -17,7 +17,7 @@ from usmbench.diagnose.naming.pairs import hidden_pair
 from usmbench.diagnose.naming.ranking import SIGNIFICANT, Ranked, rank
 from usmbench.diagnose.naming.remainder import LOUD
 from usmbench.diagnose.naming.stepwise import Named, name_causes, noise_spread
-from usmbench.diagnose.noise.noise_estimate import estimate_noise, held_to
+from usmbench.diagnose.noise.noise_estimate import noise_as_stated
 from usmbench.diagnose.noise.noise_model import Noise
 from usmbench.diagnose.noise.spikes import are_exceptions, off_steps, spiked, steady
 from usmbench.diagnose.residual.basis import Basis
@@ -79,7 +79,7 @@ def _with_its_noise(
     """Settle the noise and the rows to judge; return also what the best cause leaves, and it."""
     residuals = [s.residual_rad_s for s in stretches]
     uses = [s.use for s in stretches]
-    noise = known.noise or _white(_estimated(stretches, residuals, uses, known))
+    noise = known.noise or _white(noise_as_stated(stretches, residuals, uses, known.stated_rad_s))
     far = spiked(stretches, residuals, noise, near_steps=False)
     masks = _without(stretches, residuals, far)
     problem = Problem(stretches, known, noise, masks, own)
@@ -89,7 +89,7 @@ def _with_its_noise(
         best = refine_widely(problem, ranked[0].fit).effects
     left = problem.left_rad_s(best)
     if known.noise is None:
-        noise = _estimated(stretches, left, masks, known)
+        noise = noise_as_stated(stretches, left, masks, known.stated_rad_s)
     # What fits a few windows that stand alone makes others do so.
     tried = [
         (r, spiked(stretches, r, noise, near_steps=True)) for r in (problem.residual_rad_s, left)
@@ -173,13 +173,6 @@ def _mostly_left_out(found: Found) -> bool:
 def _unclear(found: Found) -> bool:
     """Whether something is wrong that the names do not explain."""
     return verdict_on(found, None) == "unexplained" or found.spread > LOUD
-
-
-def _estimated(
-    stretches: Sequence[Stretch], residuals: Sequence[Array], rows: Sequence[Mask], known: Knowledge
-) -> Noise:
-    """Estimate the noise of a model that says little of it."""
-    return held_to(estimate_noise(stretches, residuals, rows), stretches, known.stated_rad_s)
 
 
 def _white(noise: Noise) -> Noise:

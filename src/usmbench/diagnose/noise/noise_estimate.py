@@ -207,21 +207,25 @@ def _colour(
     return autoregression(left + taken_by_fit(rows, left, counts[0]), counts[0])
 
 
-def held_to(noise: Noise, stretches: Sequence[Stretch], stated_rad_s: float) -> Noise:
-    """Return an estimated noise, no larger than a model states and counting adds.
+def noise_as_stated(
+    stretches: Sequence[Stretch],
+    residuals: Sequence[Array],
+    masks: Sequence[Mask],
+    stated_rad_s: float,
+) -> Noise:
+    """Estimate a noise, no larger than a model states and counting adds.
 
     Of a run alone nobody knows what is noise: a hum that the model does not have looks like it. A
     window's counts are the difference of two angles, each off by anything within a count.
 
     Parameters
     ----------
-    noise
-        The estimate.
-    stretches
-        The runs.
+    stretches, residuals, masks
+        As in `estimate_noise`.
     stated_rad_s
         Standard deviation that the model states; 0 for none.
     """
+    noise = estimate_noise(stretches, residuals, masks)
     if stated_rad_s <= 0.0:
         return noise
     counts = [s.context.count_rad_s or whole_count_rad_s(s) for s in stretches]
