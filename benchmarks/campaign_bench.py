@@ -31,7 +31,7 @@ from usmbench.runs.record import Record
 Array = NDArray[np.float64]
 
 REFERENCE_S: Final = 40.0
-SMALL_REFERENCE_S: Final = 12.0
+SMALL_REFERENCE_S: Final = 8.0
 _BESIDE_HZ: Final = (-25.0, 0.0, 25.0)  # near enough for the slope, far enough for the noise
 _FRESH: Final = 5000
 _SMALL: Final = 1.0  # noise

@@ -11,7 +11,7 @@ from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.features_of_runs import features_of
 from usmbench.diagnose.known.knowledge import KEY, Knowledge
-from usmbench.diagnose.known.learning import learn
+from usmbench.diagnose.known.learning import learn, spread
 from usmbench.diagnose.known.wander import ANY, LEAST, departures, wander_of_shares
 from usmbench.diagnose.known.wander_estimate import measured_wander
 from usmbench.diagnose.naming.ranking import rank
@@ -98,7 +98,7 @@ def measure_knowledge(stretches: Sequence[Stretch], habits: Sequence[Applied] = 
     fitted = [part * free for part in shapes] if few else None
     noise = estimate_noise(stretches, residuals, uses, fitted)
     left, masks = residuals, uses
-    mean, root = np.zeros_like(features.prior), np.zeros((0, 0))
+    mean = np.zeros_like(features.prior)
     widest, least = (
         wander_of_shares(shares, features.top_rad_s, features.n_points, features.n_places)
         for shares in (ANY, LEAST)
@@ -113,7 +113,7 @@ def measure_knowledge(stretches: Sequence[Stretch], habits: Sequence[Applied] = 
             for s, part in zip(stretches, shapes, strict=True)
         ]
         learnt = learn(features, stretches, shapes, noise, masks, own)
-        mean, root = learnt.mean, learnt.root
+        mean = learnt.mean
         left = [
             r - part @ mean - o @ learnt.runs[s.run]
             for s, r, part, o in zip(stretches, residuals, shapes, own, strict=True)
@@ -128,4 +128,5 @@ def measure_knowledge(stretches: Sequence[Stretch], habits: Sequence[Applied] = 
     used_s = max(n_steady, 1) * stretches[0].context.window_s
     wander = replace(wander, late_s=max(wander.late_s, any_s))
     entries = tuple(applied.to_mapping() for applied in habits)
+    root = spread(features, learnt)
     return Knowledge(noise, features, mean, root, wander, n_spikes / used_s, entries)

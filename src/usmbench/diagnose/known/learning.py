@@ -34,19 +34,22 @@ class Learnt:
     ----------
     mean
         Coefficient of each shape, shape (K,).
-    root
-        Square root of the covariance of how far a run may be from them, shape (K, K).
     runs
         What each run is off by on its own, in deviations, shape (R, O).
     gram, slope
         Normal equations of those, the shapes learnt beside them, shapes (R, O, R, O) and (R, O).
+    folds
+        Normal equations of all, in priors, of each fold, shapes (F, S, S) and (F, S).
+    tied
+        The sum of the folds' with the priors, shape (S, S).
     """
 
     mean: Array
-    root: Array
     runs: Array
     gram: Array
     slope: Array
+    folds: tuple[Array, Array]
+    tied: Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,19 +106,38 @@ def learn(
         grams, slopes = (all_rows - off for all_rows, off in zip(whole, far, strict=True))
         gram, slope = grams.sum(axis=0) + ties, slopes.sum(axis=0)
         theta = np.linalg.solve(gram, slope)
-    covariance = np.linalg.inv(gram)
-    extra = _between(features.groups, grams, slopes)
-    root = np.linalg.cholesky(covariance[: prior.size, : prior.size] + np.diag(extra**2))
     runs = theta[prior.size :].reshape(n_runs, n_own)
     learnt = np.arange(size) < prior.size
     left, toward = beside(grams.sum(axis=0) + np.diag(learnt.astype(float)), slope, ~learnt)
     return Learnt(
         prior * theta[: prior.size],
-        prior[:, None] * root,
         runs,
         left.reshape(runs.shape * 2),
         toward.reshape(runs.shape),
+        (grams, slopes),
+        gram,
     )
+
+
+def spread(features: Features, learnt: Learnt) -> Array:
+    """Return a square root of the covariance of how far a run may be from what is learnt.
+
+    Parameters
+    ----------
+    features
+        The family of shapes.
+    learnt
+        What runs teach of them.
+
+    Returns
+    -------
+    Array
+        Shape (K, K).
+    """
+    prior = features.prior
+    covariance = np.linalg.inv(learnt.tied)[: prior.size, : prior.size]
+    extra = _between(features.groups, *learnt.folds)
+    return np.asarray(prior[:, None] * np.linalg.cholesky(covariance + np.diag(extra**2)))
 
 
 def _whitened(
