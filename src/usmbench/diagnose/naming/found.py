@@ -13,7 +13,14 @@ from usmbench.diagnose.naming.ranking import NO_CHANCE, Ranked
 from usmbench.diagnose.naming.remainder import LOUD
 from usmbench.diagnose.naming.sporadic import Sporadic
 from usmbench.diagnose.residual.problem import Problem
-from usmbench.diagnose.residual.whole import LEFT_PARTLY, PLAINLY, Whole, doubted_test, verdict
+from usmbench.diagnose.residual.whole import (
+    LEFT_PARTLY,
+    PLAINLY,
+    Whole,
+    doubted_test,
+    excused,
+    verdict,
+)
 from usmbench.diagnose.result import Verdict
 
 Array = NDArray[np.float64]
@@ -231,11 +238,16 @@ def on_nothing_named(found: Found) -> Verdict:
     found
         What the search came to.
     """
-    if found.spread > LOUD:
+    hidden = excused(found.problem, found.spread)
+    # How far shapes may depart is an estimate itself.
+    if found.spread > LOUD or _is_plain(found.before, PLAINLY) or _is_plain(hidden, NO_CHANCE):
         return "unexplained"
-    whole = found.before
-    plain = whole.p_value < PLAINLY and whole.excess > _LEAST_EXCESS * whole.n_rows
-    return "unexplained" if plain else "no_discrepancy"
+    return "no_discrepancy"
+
+
+def _is_plain(whole: Whole, p_value: float) -> bool:
+    """Whether more is beyond chance than what is no finding."""
+    return whole.p_value < p_value and whole.excess > _LEAST_EXCESS * whole.n_rows
 
 
 def _on_named(found: Found) -> Verdict:

@@ -77,3 +77,21 @@ class Carrier:
         beta = ((self.ways.T @ shaped).T / self.tension).T
         carried: Array = np.concatenate([white - self.background @ (self.ways @ beta), beta])
         return carried
+
+    def excuses(self, carried: Array) -> tuple[Array, float]:
+        """Return how far a residual makes what is no news depart, and what this makes of the noise.
+
+        Parameters
+        ----------
+        carried
+            The carried residual, shape (R + K,).
+
+        Returns
+        -------
+        tuple of Array and float
+            Departures in their standard deviations, independent where nothing is wrong, shape
+            (K,); sum of squares of what they are in the whitened rows.
+        """
+        beta = carried[-self.tension.size :] if self.tension.size else carried[:0]
+        power = self.tension - 1.0
+        return beta * np.sqrt(self.tension / power), float(power @ beta**2)

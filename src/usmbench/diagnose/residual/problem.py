@@ -255,6 +255,16 @@ class Problem:
         unsure[asked] = np.linalg.norm(np.asarray(self._shapes[asked] @ self._root), axis=1)
         return np.split(unsure, np.cumsum([mask.size for mask in rows])[:-1])
 
+    def excuses(self) -> tuple[Array, float]:
+        """Return how far what is no news has to depart, and what this makes of the noise.
+
+        Returns
+        -------
+        tuple of Array and float
+            As in `Carrier.excuses`.
+        """
+        return self._carrier.excuses(self.residual)
+
     def drop(self, effects: Sequence[Applied]) -> float:
         """Return by how much effects lower the deviance.
 

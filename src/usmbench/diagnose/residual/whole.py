@@ -77,6 +77,23 @@ def doubted_test(problem: Problem, effects: Sequence[Applied], spread: float) ->
     return whole_test(doubting, omnibus(doubting), effects, spread)
 
 
+def excused(problem: Problem, spread: float) -> Whole:
+    """Test how far what is no news would have to depart to explain a residual.
+
+    Beyond chance it hides something: it takes what it never took in the model's own runs.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    spread
+        Standard deviation of the whitened noise.
+    """
+    departures, square = problem.excuses()
+    p_value = float(chi2.sf(departures @ departures / spread**2, departures.size))
+    return Whole(square / spread**2, p_value, problem.n_rows)
+
+
 def verdict(before: Whole, after: Whole, statistic: float) -> Verdict:
     """Return the verdict on named causes.
 

@@ -23,10 +23,10 @@ def library() -> tuple[Effect, ...]:
     for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name):
         try:
             found = entry.load()
-        except (ImportError, AttributeError) as error:
+        except Exception as error:  # a user's own file may fail in any way
             raise InputError(
-                f"the cause {entry.name} ({entry.value}) cannot be loaded: {error}; "
-                "mend or remove the package that registers it"
+                f"the cause {entry.name} ({entry.value}) cannot be loaded: "
+                f"{type(error).__name__}: {error}; mend or remove the package that registers it"
             ) from error
         members = tuple(found) if isinstance(found, Sequence) else (found,)
         if not members or not all(isinstance(member, Effect) for member in members):

@@ -12,6 +12,7 @@ from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.noise.noise_model import Noise
 from usmbench.diagnose.noise.whitening import memory_rows, whitening
 from usmbench.diagnose.residual.problem import Problem
+from usmbench.diagnose.residual.whole import excused
 from usmbench.model.effects.registry import find_effect
 from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
@@ -70,6 +71,25 @@ def test_the_deviance_is_that_of_the_whole_covariance(
     assert problem.deviance < 0.9 * float(error @ error)
     twice = problem.weighed(noise, [use], [np.full(use.size, 2.0)])
     assert twice.deviance == pytest.approx(deviance(2.0 * error, 2.0 * free), rel=1e-6)
+
+
+def test_what_is_no_news_departs_by_its_deviations_and_beyond_them_it_hides_something(
+    stretches: list[Stretch], known: Knowledge, noise: Noise
+) -> None:
+    (stretch,) = stretches
+    problem = Problem(stretches, known, noise, [stretch.use])
+    (shapes,), root = known.background(stretches)
+    rng = np.random.default_rng(5)
+    noisy = np.linalg.inv(whitening(noise, stretch).toarray())
+
+    def left_rad_s(deviations: float) -> Array:
+        departs = deviations * (root @ rng.standard_normal(root.shape[1]))
+        return np.asarray(shapes @ departs + noisy @ rng.standard_normal(stretch.context.n))
+
+    healthy = [problem.measuring([left_rad_s(1.0)]) for _ in range(40)]
+    assert np.mean([np.mean(p.excuses()[0] ** 2) for p in healthy]) == pytest.approx(1.0, abs=0.15)
+    assert min(excused(p, 1.0).p_value for p in healthy) > 1e-4
+    assert excused(problem.measuring([left_rad_s(6.0)]), 1.0).p_value < 1e-9
 
 
 def test_several_residuals_weigh_together_what_each_weighs(
