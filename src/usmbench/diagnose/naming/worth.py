@@ -28,6 +28,9 @@ _REST = 0.1  # of what the views show: beside a grid, a cause leaves no more of 
 _ONE_FOLD = 2.0 / 3.0  # of what it takes from unseen blocks
 # That a cause has to explain better: rows, or places in the runs, where it acts at starts only.
 _FEWEST_ROWS, _FEWEST_PLACES = 8.0, 2.5
+# At the edge of the dead zone a rotor stays where it is all through one stay of the phase, on one
+# day and not on another: a name rests on more.
+_FEWEST_STAYS = 1.5
 _GAINED, _APART = 10.0, 5  # deviance of a row beyond chance; rows without between two places
 # Deviance of what runs may be off by, ten of its deviations: a gain of −1 stands in no single row.
 _OUT_OF_BOUNDS = 100.0
@@ -75,6 +78,8 @@ def worth_a_name(
     if before.effects and most > _ONE_FOLD * taken:
         return False
     if before.effects and not _beyond_form(problem, before, longer, first, spread):
+        return False
+    if _stays(problem, before, longer) < _FEWEST_STAYS:
         return False
     gained = _by_row(problem, before, longer)
     in_rows = float(np.sum(gained))
@@ -171,6 +176,21 @@ def _by_row(problem: Problem, before: Fit, longer: Fit) -> Array:
 def _effective(gained: Array) -> float:
     """Effective number of rows behind a gain: (Σd)²/Σd²."""
     return float(np.sum(gained) ** 2 / max(float(np.sum(gained**2)), 1e-300))
+
+
+def _stays(problem: Problem, before: Fit, longer: Fit) -> float:
+    """Effective number of stays of the phase at which more causes explain more.
+
+    Whether what is no news may depart in their place, or not.
+    """
+    fewer, more = (problem.left_rad_s(f.effects) for f in (before, longer))
+    gained = [
+        np.maximum((b**2 - a**2) / problem.noise.level_rad_s(s) ** 2, 0.0) * mask
+        for b, a, s, mask in zip(fewer, more, problem.stretches, problem.masks, strict=True)
+    ]
+    begins = np.concatenate([s.lag == 0 for s in problem.stretches])
+    by_stay = np.bincount(np.cumsum(begins), weights=np.concatenate(gained))
+    return _effective(np.asarray(by_stay, dtype=np.float64))
 
 
 def _places(problem: Problem, gained: Array) -> float:

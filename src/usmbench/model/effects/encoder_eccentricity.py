@@ -7,6 +7,7 @@ import numpy as np
 from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values, middle_rad
 
 _TURNS = 0.1  # an arc in which a ripple bends by a twentieth of itself
+_ROUNDS = 12  # in each the shaft's angle comes nearer by the ripple's share
 
 
 class EncoderEccentricity(Effect):
@@ -36,8 +37,22 @@ class EncoderEccentricity(Effect):
         angle_rad = context.angle_rad
         if angle_rad is None:
             angle_rad = middle_rad(signal, context.window_s)
+        else:
+            angle_rad = self.of_shaft_rad(angle_rad, values)
         ripple = values["cosine"] * np.cos(angle_rad) + values["sine"] * np.sin(angle_rad)
         return signal * (1.0 + ripple)
+
+    def of_shaft_rad(self, angle_rad: Array, values: Values) -> Array:
+        """Return the shaft's angle where a run reports one, shape (N,).
+
+        Parameters
+        ----------
+        angle_rad
+            The angle that is reported, in the middle of the windows, shape (N,).
+        values
+            The parameters.
+        """
+        return angle_rad
 
     def untestable(self, contexts: Sequence[Context]) -> str | None:
         """Return why where the shaft never turns far enough.
@@ -54,4 +69,27 @@ class EncoderEccentricity(Effect):
         return f"the shaft turns {turns:.2f} times; a ripple once a revolution needs {_TURNS:g}"
 
 
-FORMS = (EncoderEccentricity(),)
+class ByItsOwnCounts(EncoderEccentricity):
+    """The same, where the angle is counted by that disc: α′ = α + c sin α − s cos α.
+
+    Of a ripple of a tenth the difference is a ripple of half a hundredth, twice a revolution.
+    """
+
+    form = "by its own counts"
+
+    def of_shaft_rad(self, angle_rad: Array, values: Values) -> Array:
+        """Return the shaft's angle from that which the disc has counted, shape (N,).
+
+        Parameters
+        ----------
+        angle_rad, values
+            As in `EncoderEccentricity.of_shaft_rad`.
+        """
+        shaft_rad = angle_rad
+        for _ in range(_ROUNDS):
+            ahead_rad = values["cosine"] * np.sin(shaft_rad) - values["sine"] * np.cos(shaft_rad)
+            shaft_rad = angle_rad - ahead_rad
+        return shaft_rad
+
+
+FORMS = (EncoderEccentricity(), ByItsOwnCounts())

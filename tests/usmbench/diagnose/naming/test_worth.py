@@ -1,6 +1,6 @@
 """What a cause has to bring to be worth a name."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -12,6 +12,7 @@ from usmbench.diagnose.known.knowledge import knowledge_of
 from usmbench.diagnose.naming.worth import First, worth_a_name
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.whole import Whole
+from usmbench.model.effects.base import Array, Context, Effect, Values
 from usmbench.model.extended import Applied
 
 LATE = applied("transport_delay", "", delay_s=0.006)
@@ -53,6 +54,33 @@ def test_a_first_cause_may_hold_unevenly_but_not_in_one_place_alone(
 ) -> None:
     fit = _fit(problem, LATE)
     assert worth_a_name(problem, NOTHING, fit, np.array(unseen), First(), 1.0) == worth
+
+
+@dataclass(frozen=True)
+class _Standing(Effect):
+    """A rotor that stands at some stays of the phase, of 20 windows each."""
+
+    stays: tuple[int, ...]
+    name = "standing"
+    meaning = mend = "None."
+    stage = "counter"
+    parameters = ()
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        return np.where(np.isin(np.arange(context.n) // 20, self.stays), 0.0, signal)
+
+
+@pytest.mark.parametrize(("stays", "worth"), [((20,), False), ((20, 41), True)])
+def test_one_stay_of_the_phase_is_an_accident(stays: tuple[int, ...], *, worth: bool) -> None:
+    phase_deg = np.repeat(np.random.default_rng(3).uniform(-88.0, 88.0, 100), 20)
+    phase_deg[20 * 20 : 21 * 20] = phase_deg[41 * 20 : 42 * 20] = 16.0
+    model, stands = identified(), Applied(_Standing(stays), {})
+    (stretch,), _ = cut_runs([driven(phase_deg, 13, stands)], model, ())
+    known = knowledge_of(model)
+    assert known.noise is not None
+    problem = Problem([stretch], known, known.noise, [stretch.use])
+    fit = _fit(problem, stands)
+    assert worth_a_name(problem, NOTHING, fit, np.array(EVERYWHERE), First(), 1.0) == worth
 
 
 LEANS = applied("gain_asymmetry", "balanced", asymmetry=0.05)

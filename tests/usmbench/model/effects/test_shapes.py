@@ -286,7 +286,7 @@ def test_a_rotor_sticks_at_the_beginning_of_a_run_and_turns_where_one_is_cut() -
 
 
 def test_a_ripple_shows_in_an_arc_that_bends_it() -> None:
-    (eccentric,) = encoder_eccentricity.FORMS
+    eccentric = encoder_eccentricity.EncoderEccentricity()
     turned = [
         replace(_context(100), angle_rad=np.linspace(0.0, 2.0 * np.pi * turns, 100))
         for turns in (0.05, 0.2)
