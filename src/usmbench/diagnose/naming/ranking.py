@@ -10,6 +10,7 @@ from usmbench.diagnose.fitting.scanning import fit_effect, sharpen
 from usmbench.diagnose.naming.chance import scatters
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.base import Effect
+from usmbench.model.extended import Applied
 
 SIGNIFICANT = 0.01  # of what is weighed further, and of single windows
 CLEAR = 0.05  # family-wise, for a name
@@ -84,11 +85,23 @@ def rank(
         if effect.by_chance and not scatters(problem, fit.effects):
             # Whatever explains about as much goes first, and chance, too.
             misfit = max(_MISFIT, telling_deviance(statistic))
+        elif _passes_for_it(problem, effect, held, statistic, spread):
+            misfit = statistic
         alone = Fit(fit.effects[-1:], statistic - misfit, fit.roughness)
         p_value = min(1.0, alone.p_value * len(effects))
         score = statistic - misfit - _price(effect, price)
         found.append(Ranked(effect, fit, statistic, p_value, score))
     return sorted(found, key=lambda r: -r.score)
+
+
+def _passes_for_it(
+    problem: Problem, effect: Effect, held: Sequence[Applied], statistic: float, spread: float
+) -> bool:
+    """Whether what a model may be off by explains about as much as a cause that looks like it."""
+    if statistic < TELLING:
+        return False
+    drops = (fit_effect(problem, other, held).statistic / spread**2 for other in effect.lookalikes)
+    return any(drop > statistic - telling_deviance(statistic) for drop in drops)
 
 
 def _price(effect: Effect, each: float) -> float:

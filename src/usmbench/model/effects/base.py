@@ -165,6 +165,11 @@ class Effect(ABC):
         """
         return None
 
+    @property
+    def lookalikes(self) -> "tuple[Effect, ...]":
+        """What a model may be off by that looks like it: no causes, and the name yields to them."""
+        return ()
+
     def habitual(self, contexts: Sequence[Context]) -> bool:
         """Return whether healthy runs may show it: a bench's habit, or what a curve cannot be.
 

@@ -1,6 +1,7 @@
 """It starts later than it stops."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -43,14 +44,8 @@ class Sticking(Effect):
         later_deg = values["start_later_deg"]
         if later_deg <= 0.0:
             return signal
-        way = np.sign(signal)
-        least_rad_s = standing_rad_s(context)
-        # Of two ways to wire a motor, one runs backwards at a positive phase.
-        outward = way * np.copysign(1.0, np.sum(context.phase_deg * signal))
-        before_rad_s = context.settled_rad_s(
-            context.phase_deg - outward * np.where(np.isin(way, self.sides), later_deg, 0.0)
-        )
-        starts = (np.abs(signal) > least_rad_s) & (way * before_rad_s > least_rad_s)
+        way, least_rad_s = np.sign(signal), standing_rad_s(context)
+        starts = _beyond(signal, context, self.sides, later_deg)
         stops = np.abs(signal) <= least_rad_s
         if self.at_reversals:
             stops |= way != np.r_[way[:1], way[:-1]]
@@ -72,6 +67,45 @@ class Sticking(Effect):
         if not ends.size:
             return {"start_later_deg": np.geomspace(0.02, 40.0, 30)}
         return {"start_later_deg": 0.5 * (ends + np.r_[0.0, ends[:-1]])}
+
+    @property
+    def lookalikes(self) -> tuple[Effect, ...]:
+        """Dead zones that are wider whatever φ comes from: the model's edges lie elsewhere."""
+        return tuple(_Wider(sides) for sides in ((-1.0, 1.0), (1.0,), (-1.0,)))
+
+
+@dataclass(frozen=True)
+class _Wider(Effect):
+    """The rotor stands h degrees farther, outward and inward bound: no cause, the curve is off."""
+
+    sides: tuple[float, ...]
+    name = "wider_dead_zone"
+    meaning = "The dead zone is wider than the model's."
+    mend = "Identify the model on phases close to both edges of the dead zone."
+    stage = "settled"
+    parameters = Sticking.parameters
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the settled speed, 0 in the wider zone.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        later_deg = values["start_later_deg"]
+        starts = _beyond(signal, context, self.sides, later_deg)
+        return np.where(starts | (later_deg <= 0.0), signal, 0.0)
+
+    def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
+        """Return the widths that are tried for a rotor that sticks.
+
+        Parameters
+        ----------
+        contexts
+            All stretches.
+        """
+        return Sticking().grid(contexts)
 
 
 class AtRest(Sticking):
@@ -161,18 +195,33 @@ class Play(Effect):
         return {"width_deg": np.geomspace(0.02, 40.0, 30)}
 
 
+def _beyond(
+    signal: Array, context: Context, sides: Sequence[float], later_deg: float
+) -> NDArray[np.bool_]:
+    """Whether the rotor runs, and ran so many degrees nearer to 0, too, shape (N,)."""
+    way, least_rad_s = np.sign(signal), standing_rad_s(context)
+    # Of two ways to wire a motor, one runs backwards at a positive phase.
+    outward = way * np.copysign(1.0, np.sum(context.phase_deg * signal))
+    before_rad_s = context.settled_rad_s(
+        context.phase_deg - outward * np.where(np.isin(way, sides), later_deg, 0.0)
+    )
+    runs: NDArray[np.bool_] = (np.abs(signal) > least_rad_s) & (way * before_rad_s > least_rad_s)
+    return runs
+
+
 def _into_run_deg(context: Context) -> Array:
     """By how many degrees the phases at which the rotor runs lie beyond the dead zone, shape (K,).
 
-    The edge is found by halving: the curve may be of any kind.
+    The edge is found by halving: the curve may be of any kind, and dip below 0 before a jump.
     """
     size, way = np.abs(context.phase_deg), np.sign(context.phase_deg)
-    least_rad_s = standing_rad_s(context)
-    runs = np.abs(context.settled_rad_s(context.phase_deg)) > least_rad_s
+    least_rad_s, settled_rad_s = standing_rad_s(context), context.settled_rad_s(context.phase_deg)
+    forward = way * np.copysign(1.0, np.sum(context.phase_deg * settled_rad_s))
+    runs = forward * settled_rad_s > least_rad_s
     inside, outside = np.zeros(context.n), size
     for _ in range(_HALVINGS):
         middle = 0.5 * (inside + outside)
-        fast = np.abs(context.settled_rad_s(way * middle)) > least_rad_s
+        fast = forward * context.settled_rad_s(way * middle) > least_rad_s
         inside, outside = np.where(fast, inside, middle), np.where(fast, middle, outside)
     found: Array = (size - outside)[runs].round(_DIGITS)
     return found
