@@ -165,7 +165,8 @@ def _lines(found: Diagnosis) -> str:
         sizes = ", ".join(
             f"{p.name} {p.value:.4g} ({p.low:.4g} … {p.high:.4g})" for p in cause.parameters
         )
-        lines.append(f"cause      {cause.name}{': ' + sizes if sizes else ''}")
+        said = ", ".join(part for part in (sizes, cause.form) if part)
+        lines.append(f"cause      {cause.name}{': ' + said if said else ''}")
         lines.append(f"           {cause.meaning}")
         lines.append(f"           {cause.mend}")
         if cause.alternatives:

@@ -28,6 +28,8 @@ Array = NDArray[np.float64]
 _MOST_NAMED = 2  # where a third earns its place, too, it is more likely that none is the cause
 # What has no name is a finding only from half the noise's rms on; a name must earn its own place.
 _LEAST_EXCESS = 0.25
+# How far what is no news may depart is an estimate: of that only what is larger than the noise.
+_LEAST_HIDDEN = 1.0
 _GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by a tenth
 _TRIFLE = 0.01  # of what there was: what a form of an effect may be off by
 _MOSTLY = 0.5  # of what is off
@@ -239,15 +241,10 @@ def on_nothing_named(found: Found) -> Verdict:
         What the search came to.
     """
     hidden = excused(found.problem, found.spread)
-    # How far shapes may depart is an estimate itself.
-    if found.spread > LOUD or _is_plain(found.before, PLAINLY) or _is_plain(hidden, NO_CHANCE):
+    plain = found.before.beyond(PLAINLY, _LEAST_EXCESS)
+    if found.spread > LOUD or plain or hidden.beyond(NO_CHANCE, _LEAST_HIDDEN):
         return "unexplained"
     return "no_discrepancy"
-
-
-def _is_plain(whole: Whole, p_value: float) -> bool:
-    """Whether more is beyond chance than what is no finding."""
-    return whole.p_value < p_value and whole.excess > _LEAST_EXCESS * whole.n_rows
 
 
 def _on_named(found: Found) -> Verdict:

@@ -39,6 +39,8 @@ def describe(views: Sequence[View], spread: float) -> Remainder:
     k = int(np.argmax(np.abs(worst.after_rad_s) / worst.band_rad_s))
     says = _SAYS[worst.versus].format(at=float(worst.centre[k]))
     size = float(worst.after_rad_s[k])
+    if worst.excess_after < 1.0:
+        says = f"no view by itself shows more than noise leaves; most: {says}"
     return Remainder(
         _VERSUS.get(worst.versus, worst.versus),
         f"{says} ({size:+.3g} rad/s, {worst.excess_after:.2g} times what noise would leave)",

@@ -38,7 +38,19 @@ class Whole:
     @property
     def material(self) -> bool:
         """Whether there is more than a trifle."""
-        return self.p_value < PLAINLY and self.excess > _MATERIAL * self.n_rows
+        return self.beyond(PLAINLY, _MATERIAL)
+
+    def beyond(self, p_value: float, share: float) -> bool:
+        """Return whether there is more than chance and a trifle leave.
+
+        Parameters
+        ----------
+        p_value
+            Probability of chance.
+        share
+            Share of the noise's mean square that is a trifle.
+        """
+        return self.p_value < p_value and self.excess > share * self.n_rows
 
 
 def whole_test(problem: Problem, basis: Basis, effects: Sequence[Applied], spread: float) -> Whole:

@@ -34,6 +34,12 @@ def _many_phases(contexts: Sequence[Context]) -> bool:
     return max(np.unique(c.phase_deg).size for c in contexts) >= _MANY
 
 
+def _apart_deg(contexts: Sequence[Context]) -> float:
+    """How far apart neighbouring phases usually lie."""
+    phase_deg = np.unique(np.concatenate([c.phase_deg for c in contexts]))
+    return float(np.median(np.diff(phase_deg))) if phase_deg.size > 1 else np.inf
+
+
 class RoundedPhase(Effect):
     """φ′ = q round(φ/q), halves to the even neighbour: the register's low bits are missing."""
 
@@ -62,23 +68,23 @@ class RoundedPhase(Effect):
         return np.asarray(np.rint(steps))
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
-        """Return usual steps; where there are many phases, all steps that these tell apart.
+        """Return usual steps, and all others that the phases tell apart.
 
         Between two neighbours no phase then moves by more than half a step, nor by a quarter of a
-        coarse one, which leaves few levels to tell it by. A staircase of few levels could be bent
-        into any shape by a free choice of the step.
+        coarse one, which leaves few levels to tell it by. Where phases are few, a step finer than
+        they lie apart could bend them into any smooth shape: there only usual ones are tried.
 
         Parameters
         ----------
         contexts
             All stretches.
         """
-        if not _many_phases(contexts):
-            return {"step_deg": np.array(_USUAL_DEG)}
+        apart_deg = 0.0 if _many_phases(contexts) else _apart_deg(contexts)
         farthest_deg = max(float(np.max(np.abs(c.phase_deg))) for c in contexts)
         fine = np.arange(1.0, farthest_deg / _FINEST_DEG, 0.5)
         coarse = np.arange(1.0, farthest_deg / _COARSE_DEG, 0.25)
-        tried = np.unique([*_USUAL_DEG, *(farthest_deg / np.r_[fine, coarse])])
+        free = farthest_deg / np.r_[fine, coarse]
+        tried = np.unique([*_USUAL_DEG, *free[free >= apart_deg]])
         return {"step_deg": tried[tried <= _COARSEST_DEG]}
 
     def habitual(self, contexts: Sequence[Context]) -> bool:

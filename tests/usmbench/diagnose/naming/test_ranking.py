@@ -1,10 +1,18 @@
 """Which causes explain about as much, and when so many do that a name tells nothing."""
 
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 
+from known_motor import applied, driven, identified
+from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.fitting.fit import NOTHING
-from usmbench.diagnose.naming.ranking import Ranked, alternatives, undecided
+from usmbench.diagnose.known.knowledge import knowledge_of
+from usmbench.diagnose.naming.ranking import Ranked, alternatives, rank, undecided
+from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.effects.dead_zone_hysteresis import Sticking
 from usmbench.model.effects.registry import library
+from usmbench.model.extended import Applied
 
 
 @pytest.mark.parametrize(
@@ -34,3 +42,28 @@ def test_what_explains_no_more_than_chance_is_no_alternative() -> None:
         )
     ]
     assert alternatives(ranked) == (second.name,)
+
+
+STICKS = applied("dead_zone_hysteresis", "sticking", start_later_deg=4.0)
+WIDER = Applied(Sticking().lookalikes[0], {"start_later_deg": 4.0})
+UP_AND_DOWN_DEG = np.r_[np.arange(-84.0, 85.0, 3.0), np.arange(84.0, -85.0, -3.0)]
+FROM_REST_DEG = np.ravel([(0.0, phase_deg) for phase_deg in np.arange(-84.0, 85.0, 3.0)])
+
+
+@pytest.mark.parametrize(
+    ("hidden", "phase_deg", "is_a_cause"),
+    [(STICKS, UP_AND_DOWN_DEG, True), (WIDER, FROM_REST_DEG, False)],
+    ids=["sticks", "is off at its edges"],
+)
+def test_a_cause_yields_to_what_a_model_may_be_off_by(
+    hidden: Applied, phase_deg: NDArray[np.float64], *, is_a_cause: bool
+) -> None:
+    model = identified()
+    (stretch,), _ = cut_runs([driven(np.repeat(phase_deg, 10), 3, hidden)], model, ())
+    known = knowledge_of(model)
+    assert known.noise is not None
+    problem = Problem([stretch], known, known.noise, [stretch.use])
+    (found,) = rank(problem, [STICKS.effect], 1.0)
+    assert found.fit.statistic > 100.0
+    assert (found.p_value < 1e-6) == is_a_cause
+    assert (found.score > 0.0) == is_a_cause

@@ -78,6 +78,17 @@ def test_where_the_phases_are_many_or_nothing_runs_a_few_widths_are_tried() -> N
         assert np.all(np.diff(tried) > 0.0)
 
 
+def test_a_curve_that_dips_below_zero_before_a_jump_starts_at_the_jump() -> None:
+    at_deg = [-90.0, -10.0, -9.9, 0.0, 5.0, 8.0, 9.9, 10.0, 90.0]
+    speeds_rad_s = [-9.0, -0.6, 0.0, 0.0, -0.3, -0.3, 0.0, 0.6, 9.0]
+    context = replace(
+        context_of([-60.0, 12.0, 60.0]),
+        settled_rad_s=lambda phase_deg: np.interp(phase_deg, at_deg, speeds_rad_s),
+    )
+    (tried,) = Sticking().grid([context]).values()
+    assert tried[0] == pytest.approx(0.5 * (12.0 - 9.915), abs=0.02)
+
+
 def test_the_phases_of_several_runs_are_counted_once() -> None:
     context = context_of([float(level) for level in range(-90, 91, 5)])
     one, five = (Sticking().grid([context] * n)["start_later_deg"] for n in (1, 5))
