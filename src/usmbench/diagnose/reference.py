@@ -11,7 +11,7 @@ from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.features_of_runs import features_of
 from usmbench.diagnose.known.knowledge import KEY, Knowledge
-from usmbench.diagnose.known.learning import learn, spread
+from usmbench.diagnose.known.learning import covariance_root, learn
 from usmbench.diagnose.known.wander import ANY, LEAST, departures, wander_of_shares
 from usmbench.diagnose.known.wander_estimate import measured_wander
 from usmbench.diagnose.naming.ranking import rank
@@ -128,5 +128,5 @@ def measure_knowledge(stretches: Sequence[Stretch], habits: Sequence[Applied] = 
     used_s = max(n_steady, 1) * stretches[0].context.window_s
     wander = replace(wander, late_s=max(wander.late_s, any_s))
     entries = tuple(applied.to_mapping() for applied in habits)
-    root = spread(features, learnt)
+    root = covariance_root(features, learnt)
     return Knowledge(noise, features, mean, root, wander, n_spikes / used_s, entries)

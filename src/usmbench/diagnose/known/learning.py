@@ -119,7 +119,7 @@ def learn(
     )
 
 
-def spread(features: Features, learnt: Learnt) -> Array:
+def covariance_root(features: Features, learnt: Learnt) -> Array:
     """Return a square root of the covariance of how far a run may be from what is learnt.
 
     Parameters

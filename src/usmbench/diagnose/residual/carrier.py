@@ -92,6 +92,6 @@ class Carrier:
             Departures in their standard deviations, independent where nothing is wrong, shape
             (K,); sum of squares of what they are in the whitened rows.
         """
-        beta = carried[-self.tension.size :] if self.tension.size else carried[:0]
+        beta = carried[carried.size - self.tension.size :]
         power = self.tension - 1.0
         return beta * np.sqrt(self.tension / power), float(power @ beta**2)

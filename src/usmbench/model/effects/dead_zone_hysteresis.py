@@ -18,7 +18,30 @@ _MEANING = "The motor starts later than it stops: the dead zone depends on where
 _MEND = "Look at preload and friction layer; run in the contact; sweep slowly through 0°."
 
 
-class Sticking(Effect):
+class _Later(Effect):
+    """A rotor that needs h degrees more than the curve says."""
+
+    stage = "settled"
+    parameters = (Parameter("start_later_deg", "deg", 0.0, 0.0, 60.0, 1.0, scanned=True),)
+
+    def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
+        """Return a width for every set of starts that it may put off; a few where these are many.
+
+        Parameters
+        ----------
+        contexts
+            All stretches.
+        """
+        # In a staircase of wide steps all starts may be right between two widths near each other.
+        few = np.unique(np.concatenate([c.phase_deg for c in contexts])).size <= _MANY_PHASES
+        ends = np.unique(np.concatenate([_into_run_deg(c) if few else [] for c in contexts]))
+        ends = ends[ends > 0.0]
+        if not ends.size:
+            return {"start_later_deg": np.geomspace(0.02, 40.0, 30)}
+        return {"start_later_deg": 0.5 * (ends + np.r_[0.0, ends[:-1]])}
+
+
+class Sticking(_Later):
     """A standing rotor needs h degrees more than the curve says; a running one follows the curve.
 
     Adhesion in the contact: once broken, the friction is the one that the curve was measured with.
@@ -28,10 +51,8 @@ class Sticking(Effect):
     form = "sticking"
     meaning = _MEANING
     mend = _MEND
-    stage = "settled"
     sides: ClassVar[tuple[float, ...]] = (-1.0, 1.0)  # ways in which a start takes more
     at_reversals: ClassVar[bool] = True  # a rotor that is reversed passes through standstill
-    parameters = (Parameter("start_later_deg", "deg", 0.0, 0.0, 60.0, 1.0, scanned=True),)
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the settled speed, 0 while the rotor sticks.
@@ -52,22 +73,6 @@ class Sticking(Effect):
         runs = bool(context.t_s[0] > _AT_START * context.window_s)
         return np.where(_latched(starts, stops & ~starts, runs), signal, 0.0)
 
-    def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
-        """Return a width for every set of starts that it may put off; a few where these are many.
-
-        Parameters
-        ----------
-        contexts
-            All stretches.
-        """
-        # In a staircase of wide steps all starts may be right between two widths near each other.
-        few = np.unique(np.concatenate([c.phase_deg for c in contexts])).size <= _MANY_PHASES
-        ends = np.unique(np.concatenate([_into_run_deg(c) if few else [] for c in contexts]))
-        ends = ends[ends > 0.0]
-        if not ends.size:
-            return {"start_later_deg": np.geomspace(0.02, 40.0, 30)}
-        return {"start_later_deg": 0.5 * (ends + np.r_[0.0, ends[:-1]])}
-
     @property
     def lookalikes(self) -> tuple[Effect, ...]:
         """Dead zones that are wider whatever φ comes from: the model's edges lie elsewhere."""
@@ -75,15 +80,13 @@ class Sticking(Effect):
 
 
 @dataclass(frozen=True)
-class _Wider(Effect):
+class _Wider(_Later):
     """The rotor stands h degrees farther, outward and inward bound: no cause, the curve is off."""
 
     sides: tuple[float, ...]
     name = "wider_dead_zone"
     meaning = "The dead zone is wider than the model's."
     mend = "Identify the model on phases close to both edges of the dead zone."
-    stage = "settled"
-    parameters = Sticking.parameters
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the settled speed, 0 in the wider zone.
@@ -96,16 +99,6 @@ class _Wider(Effect):
         later_deg = values["start_later_deg"]
         starts = _beyond(signal, context, self.sides, later_deg)
         return np.where(starts | (later_deg <= 0.0), signal, 0.0)
-
-    def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
-        """Return the widths that are tried for a rotor that sticks.
-
-        Parameters
-        ----------
-        contexts
-            All stretches.
-        """
-        return Sticking().grid(contexts)
 
 
 class AtRest(Sticking):
