@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 
+import numpy as np
+
 from usmbench.cli.bench_session import SIMULATED, open_bench
 from usmbench.cli.live_panel import LivePanel
 from usmbench.cli.simulated_motor import SimulatedMotor
@@ -13,15 +15,20 @@ from usmbench.cli.sweep_run import sweep_new
 from usmbench.diagnose.experiment.next_experiment import propose
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.result import Diagnosis
+from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.report.plain_text import file_name
 from usmbench.runs.reader import read_run
 from usmbench.runs.record import Record
+from usmbench.settings.bench import BenchSettings
+from usmbench.settings.bench_file import load_bench
 from usmbench.settings.plan import Plan
 from usmbench.settings.plan_file import parse_plan
 from usmbench.settings.yaml_source import Source
 from usmbench.sweep.interrupts import deferred_interrupts
 from usmbench.sweep.preflight import interlocks_of
+
+_SAME = 1e-3  # windows are as long
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +65,64 @@ def judge(records: Sequence[Record], model: HammersteinModel) -> Judged:
     found = diagnose(records, model)
     proposal = propose(found, records, model)
     return Judged(replace(found, next_experiment=proposal), tuple(records))
+
+
+def check_bench(records: Sequence[Record], bench: str, runs: Path) -> list[str]:
+    """Refuse a bench on which an experiment would not continue the runs, before anything moves.
+
+    Parameters
+    ----------
+    records
+        The runs.
+    bench
+        Bench file, or "simulated".
+    runs
+        Folder that takes the new runs.
+
+    Returns
+    -------
+    list of str
+        Warnings.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        The bench file is wrong, it is another bench or motor than that of a run, its windows are of
+        another length, or the folder is none.
+    """
+    settings = BenchSettings() if bench == SIMULATED else load_bench(bench)
+    if runs.exists() and not runs.is_dir():
+        raise InputError(f"{runs}: is no folder; choose another --runs-folder")
+    for record in records:
+        window_s = float(np.median(record.window_s))
+        if abs(window_s - settings.window_s) > _SAME * window_s:
+            raise InputError(
+                f"{record.name}: its windows are {1e3 * window_s:g} ms long, those of {bench} "
+                f"{1e3 * settings.window_s:g} ms; name the bench that measured it"
+            )
+        own = record.meta.get("bench")
+        name = own.get("name") if isinstance(own, dict) else None
+        motor = record.meta.get("motor")
+        if name is not None and (name == SIMULATED) != (bench == SIMULATED):
+            raise InputError(
+                f"{record.name}: was measured on the bench {name}, which is not {bench}: an "
+                "experiment there would be on another motor; name the bench that measured it"
+            )
+        if motor is not None and bench != SIMULATED and motor != settings.motor:
+            raise InputError(
+                f"{record.name}: was measured on the motor {motor}, {bench} has {settings.motor}; "
+                "name the bench that measured it"
+            )
+    if bench == SIMULATED and len({SimulatedMotor.of_run(r.meta).defects for r in records}) > 1:
+        raise InputError(
+            "the runs are of different simulated motors (their run.yaml name different defects); "
+            "diagnose those of one motor"
+        )
+    return [
+        f"{record.name} does not say on which bench it was measured: taken to be {bench}"
+        for record in records
+        if "bench" not in record.meta
+    ]
 
 
 def decide(

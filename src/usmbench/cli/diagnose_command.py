@@ -2,11 +2,12 @@
 
 import argparse
 import sys
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import yaml
 
-from usmbench.cli.deciding_runs import Judged, decide, judge
+from usmbench.cli.deciding_runs import Judged, check_bench, decide, judge
 from usmbench.cli.each_run import Entry, diagnose_each, each_table
 from usmbench.cli.executors import all_cores, cluster
 from usmbench.cli.json_output import write_json
@@ -75,21 +76,53 @@ def run(args: argparse.Namespace) -> int:
     budget = _checked_budget(args)
     if args.each or args.scheduler is not None:
         return _run_each(args)
-    model = read_model(args.model)
-    judged = judge([read_run(path) for path in args.runs], model)
-    quiet = args.json == "-"
+    model, records = read_model(args.model), [read_run(path) for path in args.runs]
+    runs = args.runs_folder or Path("runs")
     if args.bench is not None:
-        runs = args.runs_folder or Path("runs")
-        for after in decide(judged, model, args.bench, budget, runs):
-            if not quiet:
-                print(f"{_lines(judged.diagnosis)}\ndriven     {after.records[-1].name}\n")
-            judged = after
-    for warning in judged.diagnosis.warnings:
-        print(f"usmbench: warning: {warning}", file=sys.stderr)
-    if not quiet:
-        print(_lines(judged.diagnosis), flush=True)
-    _write(args, judged, model)
+        _warn(check_bench(records, args.bench, runs))
+    judged = judge(records, model)
+    _say(args, judged)
+    try:
+        if args.bench is not None:
+            for after in _decided(judged, model, args, budget, runs):
+                judged = after
+                _say(args, judged)
+    finally:
+        # What is known by now must not be lost with the bench, or where the user has had enough.
+        _write(args, judged, model)
     return 0
+
+
+def _decided(
+    judged: Judged, model: HammersteinModel, args: argparse.Namespace, budget: int, runs: Path
+) -> Iterator[Judged]:
+    """Yield a judgement after each experiment, and say what ends them."""
+    n_driven = 0
+    for after in decide(judged, model, args.bench, budget, runs):
+        judged, n_driven = after, n_driven + 1
+        if args.json != "-":
+            print(f"\ndriven     {judged.records[-1].name}\n")
+        yield judged
+    if judged.diagnosis.next_experiment is not None:
+        ended = f"the budget of {budget} experiments is used"
+    elif n_driven == 0:
+        ended = "no experiment was driven, since none is proposed"
+    else:
+        ended = "no further experiment is proposed"
+    print(f"usmbench: {ended}", file=sys.stderr)
+
+
+def _say(args: argparse.Namespace, judged: Judged) -> None:
+    """Say what was found, unless standard output is for the JSON alone."""
+    _warn(judged.diagnosis.warnings)
+    if args.json != "-":
+        print(_lines(judged.diagnosis), flush=True)
+
+
+def _warn(warnings: Iterable[str]) -> None:
+    """Print warnings."""
+    for warning in warnings:
+        print(f"usmbench: warning: {warning}", file=sys.stderr)
 
 
 def _run_each(args: argparse.Namespace) -> int:

@@ -16,6 +16,7 @@ from usmbench.cli.deciding_runs import Judged
 from usmbench.cli.main import main
 from usmbench.cli.simulated_motor import SimulatedMotor
 from usmbench.diagnose.experiment.proposal import planned_record
+from usmbench.errors import BenchError, InputError
 from usmbench.model.hammerstein import HammersteinModel, LinearPart, OperatingPoint, StaticCurve
 from usmbench.model.model_file import write_model
 from usmbench.model.simulate import simulate
@@ -153,6 +154,93 @@ def test_the_budget_ends_it(
     judged = list(deciding_runs.decide(late, motor(), "bench.yaml", 2, tmp_path / "runs"))
     assert [len(each.records) for each in judged] == [2, 3]
     assert len(bench.plans) == 2
+
+
+@pytest.mark.parametrize(
+    ("error", "status"), [(KeyboardInterrupt(), 130), (BenchError("the port is gone"), 3)]
+)
+def test_what_was_found_before_the_bench_failed_is_said_and_written(
+    model_file: Path,
+    late: Judged,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    error: BaseException,
+    status: int,
+) -> None:
+    said: list[str] = []
+
+    def failing(*_: object) -> None:
+        said.append(capsys.readouterr().out)
+        raise error
+
+    monkeypatch.setattr(diagnose_command, "judge", lambda records, model: late)
+    monkeypatch.setattr(deciding_runs, "_measure", failing)
+    outputs = ["--json", "found.json", "--report", "report.html", "--next", "next.yaml"]
+    words = [str(late.records[0].name), "--model", str(model_file), "--bench", "simulated"]
+    assert main(["diagnose", *words, *outputs]) == status
+    assert said[0].startswith("verdict    explained")
+    assert json.loads(Path("found.json").read_text())["verdict"] == "explained"
+    assert Path("next.yaml").exists()
+    assert Path("report.html").exists()
+
+
+def test_json_alone_goes_to_standard_output_though_the_bench_failed(
+    model_file: Path,
+    late: Judged,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def failing(*_: object) -> None:
+        raise BenchError("the port is gone")
+
+    monkeypatch.setattr(diagnose_command, "judge", lambda records, model: late)
+    monkeypatch.setattr(deciding_runs, "_measure", failing)
+    words = [str(late.records[0].name), "--model", str(model_file), "--bench", "simulated"]
+    assert main(["diagnose", *words, "--json", "-"]) == 3
+    assert json.loads(capsys.readouterr().out)["verdict"] == "explained"
+
+
+@pytest.mark.parametrize(
+    ("meta", "window_s", "says"),
+    [
+        ({"bench": {"name": "bench-b"}}, 0.01, "was measured on the bench bench-b"),
+        ({}, 0.02, "windows are 20 ms long, those of simulated 10 ms"),
+    ],
+)
+def test_a_bench_that_did_not_measure_the_runs_is_refused_before_anything_moves(
+    triangle: Record, tmp_path: Path, meta: dict[str, object], window_s: float, says: str
+) -> None:
+    record = replace(triangle, meta=meta, window_s=np.full(triangle.t_s.size, window_s))
+    with pytest.raises(InputError, match=says):
+        deciding_runs.check_bench([record], "simulated", tmp_path)
+
+
+def test_a_run_of_another_motor_than_the_benchs_is_refused(
+    triangle: Record, tmp_path: Path
+) -> None:
+    bench = tmp_path / "bench.yaml"
+    bench.write_text("format: usmbench-bench/1\nname: lab\nmotor: second\n")
+    record = replace(triangle, meta={"bench": {"name": "lab"}, "motor": "first"})
+    with pytest.raises(InputError, match="measured on the motor first"):
+        deciding_runs.check_bench([record], str(bench), tmp_path)
+    alike = replace(record, meta={"bench": {"name": "lab"}, "motor": "second"})
+    assert deciding_runs.check_bench([alike], str(bench), tmp_path) == []
+
+
+def test_runs_of_two_simulated_motors_are_refused_and_a_run_of_no_known_bench_is_told(
+    triangle: Record, tmp_path: Path
+) -> None:
+    meta = {"bench": {"name": "simulated"}}
+    two = [replace(triangle, meta={**meta, "defects": [d]}) for d in ("a=1", "b=1")]
+    with pytest.raises(InputError, match="different simulated motors"):
+        deciding_runs.check_bench(two, "simulated", tmp_path)
+    assert len(deciding_runs.check_bench([triangle], "simulated", tmp_path)) == 1
+
+
+def test_a_file_for_a_folder_of_runs_is_refused(triangle: Record, tmp_path: Path) -> None:
+    (tmp_path / "runs").touch()
+    with pytest.raises(InputError, match="is no folder"):
+        deciding_runs.check_bench([triangle], "simulated", tmp_path / "runs")
 
 
 def test_a_run_as_simulated_proposes_nothing_and_writes_no_plan(
