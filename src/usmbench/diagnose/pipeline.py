@@ -15,6 +15,7 @@ from usmbench.diagnose.cutting.command_times import (
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.evidence import Candidate, Estimate, NamedCause, strongest_first
 from usmbench.diagnose.fitting.fit import Fit
+from usmbench.diagnose.fitting.foretold import foretells_nothing, foretold_rad_s
 from usmbench.diagnose.fitting.gain import Gain, held_out_gain
 from usmbench.diagnose.fitting.intervals import intervals
 from usmbench.diagnose.naming.detectable import smallest_sizes
@@ -124,10 +125,11 @@ def _held(found: Found) -> _Held:
     scattered = found.scattered
     if scattered is not found and scattered.after.p_value > PLAINLY:
         says = "explained"
-    struck = () if sporadic is None else sporadic.struck
-    gain = held_out_gain(scattered.problem, scattered.fit, struck)
-    if found.named and gain.none:
+    foretold = foretold_rad_s(scattered.problem, scattered.fit)
+    if found.named and foretells_nothing(scattered.problem, foretold):
         return _held(found.without_names)
+    struck = () if sporadic is None else sporadic.struck
+    gain = held_out_gain(scattered.problem, foretold, struck)
     return _Held(scattered, says, sporadic, gain)
 
 
@@ -192,7 +194,8 @@ def _causes(held: _Held) -> list[NamedCause]:
         share = held.gain.gain
         if len(found.named) > 1:
             rest = Fit(tuple(a for i, a in enumerate(fit.effects) if i != k), 0.0, 0.0)
-            share = max(share - held_out_gain(problem, rest, struck).gain, 0.0)
+            without = held_out_gain(problem, foretold_rad_s(problem, rest), struck)
+            share = max(share - without.gain, 0.0)
         effect = applied.effect
         causes.append(
             NamedCause(

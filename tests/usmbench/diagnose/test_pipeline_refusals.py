@@ -56,8 +56,15 @@ def test_a_shaft_that_hardly_turns_cannot_show_the_disc(model: HammersteinModel)
 
 def test_damaged_knowledge(model: HammersteinModel) -> None:
     broken = replace(model, residual={"diagnosis": {"noise": 3}})
-    with pytest.raises(InputError, match="is damaged"):
+    with pytest.raises(InputError, match="cannot be used"):
         diagnose([measured(3, n=500)], broken)
+
+
+def test_knowledge_of_another_version(model: HammersteinModel) -> None:
+    content = model.residual["diagnosis"]
+    older = replace(model, residual={"diagnosis": {**content, "mean": content["mean"][1:]}})
+    with pytest.raises(InputError, match=r"shapes are not the \d+ of this version"):
+        diagnose([measured(3, n=500)], older)
 
 
 @pytest.mark.parametrize(
@@ -77,5 +84,5 @@ def test_knowledge_of_another_shape(
 ) -> None:
     content = model.residual["diagnosis"]
     broken = {**content, part: {**content[part], key: value}}
-    with pytest.raises(InputError, match="is damaged"):
+    with pytest.raises(InputError, match="cannot be used"):
         diagnose([measured(3, n=500)], replace(model, residual={"diagnosis": broken}))

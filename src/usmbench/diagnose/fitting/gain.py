@@ -1,28 +1,19 @@
 """What an extension gains on blocks of the runs that its fit has not seen."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Mask
-from usmbench.diagnose.fitting.blocks import (
-    BLOCKS,
-    FOLDS,
-    block_of,
-    held_out,
-    unseen_from,
-)
-from usmbench.diagnose.fitting.fit import Fit
-from usmbench.diagnose.fitting.refining import refine
+from usmbench.diagnose.fitting.blocks import BLOCKS, block_of
 from usmbench.diagnose.residual.problem import Problem
 
 Array = NDArray[np.float64]
 
 _DRAWS = 400
 _SEED = 1
-_GROSS, _HARDLY = 1.25, 0.1  # times the noise's mean square; of what is beyond it
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,15 +41,8 @@ class Gain:
         """What the extension leaves, over the noise."""
         return self.rmse_extended_rad_s / max(self.noise_floor_rad_s, 1e-12)
 
-    @property
-    def none(self) -> bool:
-        """Whether the extension predicts no better, or hardly touches what is plainly wrong."""
-        before, noise = self.rmse_simulation_rad_s, self.noise_floor_rad_s
-        plain = before**2 > _GROSS * noise**2
-        return self.rmse_extended_rad_s >= before or (plain and self.gain < _HARDLY)
 
-
-def held_out_gain(problem: Problem, fit: Fit, struck: Sequence[Mask] = ()) -> Gain:
+def held_out_gain(problem: Problem, foretold: Sequence[Array], struck: Sequence[Mask] = ()) -> Gain:
     """Score effects on blocks that their values were not fitted on, beside the model as given.
 
     Rows that stand alone count neither before nor after: whether a motor starts in one window or
@@ -68,18 +52,13 @@ def held_out_gain(problem: Problem, fit: Fit, struck: Sequence[Mask] = ()) -> Ga
     ----------
     problem
         The problem.
-    fit
-        The effects at their values on all rows; none scores the model against itself.
+    foretold
+        What the effects change, as from `foretold_rad_s`.
     struck
         Rows of each stretch that stand alone and that the extension has a name for, shape (N,)
         each; then the model as given has to answer for all that do. Empty for no such name.
     """
-    held = [s.residual_rad_s.copy() for s in problem.stretches]
-    for rows, refit in _refits(problem, fit):
-        for own, unseen, change in zip(
-            held, rows, problem.change_rad_s(refit.effects), strict=True
-        ):
-            own[unseen] -= change[unseen]
+    held = [s.residual_rad_s - f for s, f in zip(problem.stretches, foretold, strict=True)]
     sums = []
     alone = struck or [np.zeros_like(mask) for mask in problem.masks]
     masks = [mask & ~a for mask, a in zip(problem.masks, alone, strict=True)]
@@ -122,37 +101,6 @@ def gain_of_blocks(table: Array) -> Gain:
     low, high = (float(q) for q in np.quantile(values, [0.025, 0.975]))
     before, after_rms, floor = (float(root) for root in np.sqrt(ms))
     return Gain(before, after_rms, floor, value, min(low, value), max(high, value))
-
-
-def held_out_drop(problem: Problem, fit: Fit) -> Array:
-    """Return by how much effects lower the deviance of blocks that their values never saw, by fold.
-
-    Effects that are not there raise it, on average by the number of their parameters.
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    fit
-        The effects at their values on all rows.
-    """
-    drop = np.zeros(FOLDS)
-    for fold, (rows, refit) in enumerate(_refits(problem, fit)):
-        unseen = problem.with_masks([m & r for m, r in zip(problem.masks, rows, strict=True)])
-        drop[fold] = unseen.drop(refit.effects)
-    return drop
-
-
-def _refits(problem: Problem, fit: Fit) -> Iterator[tuple[list[Mask], Fit]]:
-    """Yield the rows of each fold, and the effects at their values on the rows of the others.
-
-    Rows that the dynamics tie to the fold are left out of the fit, too.
-    """
-    for fold in range(FOLDS) if fit.effects else ():
-        pairs = zip(problem.masks, problem.stretches, strict=True)
-        masks = [mask & ~unseen_from(stretch, fold) for mask, stretch in pairs]
-        rows = [held_out(stretch, fold) for stretch in problem.stretches]
-        yield rows, refine(problem.with_masks(masks), fit)
 
 
 def _shares(table: Array) -> tuple[Array, float]:

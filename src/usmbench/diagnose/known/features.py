@@ -13,6 +13,7 @@ heat      the speed, times the power it has taken so far: and warms by how it is
 resonance both again, of what the resonance's move does, where the model knows several frequencies
 lag k     the step, k windows after it, times hats over the speeds it leads from and to; again
           times the place in frequency and torque: the lag changes along the resonance
+late      what commands that act later change: after steps that lie close, more than the lags hold
 edge      what a wider dead zone changes, times a hat over time: it widens as the motor warms
 start     a speed lost near standstill, after each kind of step, and again times the place in
           frequency and torque; and a dead zone that is wider outward bound: a rotor sticks
@@ -33,6 +34,7 @@ from usmbench.diagnose.known.shapes import (
     detuned_rad_s,
     felt,
     highest_rad_s,
+    later_rad_s_per_s,
     widening,
 )
 from usmbench.diagnose.known.step_columns import (
@@ -56,12 +58,13 @@ GROUPS = (
     "heat",
     "resonance",
     "edge",
+    "late",
     *_LAG_GROUPS,
     "start",
     "angle",
 )
 # Largest plausible share of each shape in a model that is right: standard deviations, as shares
-# of the highest speed (phase, direction), of the speed, or of the step.
+# of the highest speed (phase, direction), of the speed, or of the step; of lateness, in s.
 PRIOR = {
     "phase": 3e-3,
     "direction": 1e-3,
@@ -69,6 +72,7 @@ PRIOR = {
     "heat": 2e-2,
     "resonance": 2e-2,
     "edge": 0.2,
+    "late": 1e-4,
     **dict.fromkeys(_LAG_GROUPS, 0.05),
     "start": 0.2,
     "angle": 2e-3,
@@ -117,6 +121,7 @@ class Features:
             2,
             0 if self.steepest_rad_s is None else _TIME_NODES + 3,
             _EDGE_NODES - 1,
+            1,
             *((1 + self.n_places) * n * n for n in CELLS),
             (1 + self.n_places) * N_NEAR_STANDSTILL + 1,
             4,
@@ -169,6 +174,7 @@ class Features:
             yield moved * self._taken(stretch, vibration**2 - 1.0, so_far)
         wider = widening(stretch)
         yield from (column * wider for column in self._over_time(stretch, _EDGE_NODES))
+        yield later_rad_s_per_s(stretch)
         yield from after_steps(stretch, self.top_rad_s)
         yield from near_standstill(stretch, self.top_rad_s)
         yield wider * stretch.direction * np.sign(stretch.context.phase_deg)

@@ -164,7 +164,7 @@ def knowledge_of(model: HammersteinModel) -> Knowledge:
         known = Knowledge(
             noise_from_mapping(content["noise"]),
             features,
-            np.array(content["mean"], dtype=np.float64),
+            _mean(content["mean"], len(features.groups)),
             features.prior[:, None] * triangle_of(content["covariance_root"], len(features.groups)),
             wander_from_mapping(content),
             float(content["spikes_hz"]),
@@ -173,14 +173,17 @@ def knowledge_of(model: HammersteinModel) -> Knowledge:
         applied_effects(known.habits)
     except (AttributeError, IndexError, KeyError, TypeError, ValueError, InputError) as error:
         raise InputError(
-            f"the model's residual: {KEY} is damaged ({error}); identify the model again"
+            f"the model's residual: {KEY} cannot be used ({error}); identify the model again"
         ) from error
-    n_shapes = len(known.features.groups)
-    if known.mean.shape != (n_shapes,):
-        raise InputError(
-            f"the model's residual: {KEY} does not have {n_shapes} shapes; identify the model again"
-        )
     return known
+
+
+def _mean(content: Any, n_shapes: int) -> Array:
+    """Return how much of each shape a model file says the model leaves."""
+    mean = np.array(content, dtype=np.float64)
+    if mean.shape != (n_shapes,):
+        raise ValueError(f"its {mean.size} shapes are not the {n_shapes} of this version")
+    return mean
 
 
 def _features(content: dict[str, Any]) -> Features:

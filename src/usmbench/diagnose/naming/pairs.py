@@ -13,7 +13,7 @@ from itertools import product
 import numpy as np
 
 from usmbench.diagnose.fitting.fit import NOTHING, Fit
-from usmbench.diagnose.fitting.gain import held_out_drop
+from usmbench.diagnose.fitting.foretold import held_out_drop
 from usmbench.diagnose.fitting.refining import refine, refine_widely
 from usmbench.diagnose.fitting.scanning import fit_effect, sharpen
 from usmbench.diagnose.naming.ranking import CLEAR, Ranked, alternatives, rank

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from usmbench.diagnose.fitting.fit import NOTHING, Fit
-from usmbench.diagnose.fitting.gain import held_out_drop
+from usmbench.diagnose.fitting.foretold import held_out_drop
 from usmbench.diagnose.fitting.refining import refine, refine_widely
 from usmbench.diagnose.fitting.robust import huber_weights, robust_spread
 from usmbench.diagnose.fitting.scanning import fit_effect, sharpen

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 _AFTER = ("motion", "counter")
 # A scan of the library over 1e4 windows has some 1300 courses; of fewer, each would be lost again.
-_KEPT, _FEWEST = 16_000_000, 4  # speeds, 128 MB; courses
+_KEPT, _FEWEST = 20_000_000, 4  # speeds, 128 MB; courses
 
 
 class FreeRuns:

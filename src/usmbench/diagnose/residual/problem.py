@@ -24,7 +24,7 @@ from usmbench.diagnose.residual.carrier import Carrier
 from usmbench.diagnose.residual.form import ROUGHLY, off_in_form
 from usmbench.diagnose.residual.free_runs import FreeRuns
 from usmbench.model.effects.base import PHYSICS
-from usmbench.model.extended import Applied, at_shaft_angle
+from usmbench.model.extended import Applied, at_shaft_angle, through
 
 Array = NDArray[np.float64]
 
@@ -60,9 +60,9 @@ class Problem:
         self.known = known
         self.own = tuple(own)
         self._runs = FreeRuns(self.stretches)
-        expected = [known.expected_rad_s(s) for s in self.stretches]
+        self._expected_rad_s = [known.expected_rad_s(s) for s in self.stretches]
         self.residual_rad_s = [
-            s.residual_rad_s - e for s, e in zip(self.stretches, expected, strict=True)
+            s.residual_rad_s - e for s, e in zip(self.stretches, self._expected_rad_s, strict=True)
         ]
         shapes, self._root = known.background(self.stretches)
         self._shapes = csr_array(np.concatenate(shapes))
@@ -140,7 +140,8 @@ class Problem:
         """Return the same problem of a motor that shows effects.
 
         What changes the speed by a share, as another gain and a warm motor do, changes what effects
-        make of it by as much.
+        make of it by as much. What the curve is known to be off by belongs to the phases that
+        effects make of the commanded ones.
 
         Parameters
         ----------
@@ -149,7 +150,13 @@ class Problem:
         """
         changes = self.change_rad_s(effects)
         shown = [
-            replace(s, simulated_rad_s=s.simulated_rad_s + c)
+            replace(
+                s,
+                simulated_rad_s=s.simulated_rad_s + c,
+                context=replace(
+                    s.context, phase_deg=through(effects, "command", s.context.phase_deg, s.context)
+                ),
+            )
             for s, c in zip(self.stretches, changes, strict=True)
         ]
         return self._leaving(shown)
@@ -255,6 +262,16 @@ class Problem:
         unsure[asked] = np.linalg.norm(np.asarray(self._shapes[asked] @ self._root), axis=1)
         return np.split(unsure, np.cumsum([mask.size for mask in rows])[:-1])
 
+    def unsure_along(self, signal: Sequence[Array]) -> float:
+        """Return the standard deviation of the product of a signal and what is no news.
+
+        Parameters
+        ----------
+        signal
+            By stretch, in rad/s, shape (N,) each.
+        """
+        return float(np.linalg.norm(self._root.T @ (self._shapes.T @ np.concatenate(signal))))
+
     def excuses(self) -> tuple[Array, float]:
         """Return how far what is no news has to depart, and what this makes of the noise.
 
@@ -294,7 +311,10 @@ class Problem:
     def _leaving(self, stretches: Sequence[Stretch]) -> "Problem":
         """Return the same problem with what is no news as these runs show it."""
         shapes, root = self.known.background(stretches)
-        return self._altered(csr_array(np.concatenate(shapes)), root, self._filter)
+        other = self._altered(csr_array(np.concatenate(shapes)), root, self._filter)
+        other._expected_rad_s = [self.known.expected_rad_s(s) for s in stretches]
+        parts = zip(self.residual_rad_s, self._expected_rad_s, other._expected_rad_s, strict=True)
+        return other.measuring([left + before - now for left, before, now in parts])
 
     def _altered(self, shapes: csr_array, root: Array, filter_: csr_array) -> "Problem":
         """Return the same runs with other shapes that are no news, and other weights."""

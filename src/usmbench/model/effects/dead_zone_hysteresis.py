@@ -1,47 +1,21 @@
 """It starts later than it stops."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+from usmbench.model.effects.later_start import WIDER, LaterStart, beyond, standing_rad_s
 from usmbench.model.effects.play import last_way, passed_on
 
-_STANDING = 0.01  # share of the highest settled speed of the stretch below which the rotor stands
-_MANY_PHASES = 100
-_HALVINGS, _DIGITS = 14, 2  # enough for a hundredth of a degree
 _AT_START = 1.5  # windows: up to then a run is at its beginning, and its rotor at rest
 _MEANING = "The motor starts later than it stops: the dead zone depends on where φ comes from."
 _MEND = "Look at preload and friction layer; run in the contact; sweep slowly through 0°."
 
 
-class _Later(Effect):
-    """A rotor that needs h degrees more than the curve says."""
-
-    stage = "settled"
-    parameters = (Parameter("start_later_deg", "deg", 0.0, 0.0, 60.0, 1.0, scanned=True),)
-
-    def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
-        """Return a width for every set of starts that it may put off; a few where these are many.
-
-        Parameters
-        ----------
-        contexts
-            All stretches.
-        """
-        # In a staircase of wide steps all starts may be right between two widths near each other.
-        few = np.unique(np.concatenate([c.phase_deg for c in contexts])).size <= _MANY_PHASES
-        ends = np.unique(np.concatenate([_into_run_deg(c) if few else [] for c in contexts]))
-        ends = ends[ends > 0.0]
-        if not ends.size:
-            return {"start_later_deg": np.geomspace(0.02, 40.0, 30)}
-        return {"start_later_deg": 0.5 * (ends + np.r_[0.0, ends[:-1]])}
-
-
-class Sticking(_Later):
+class Sticking(LaterStart):
     """A standing rotor needs h degrees more than the curve says; a running one follows the curve.
 
     Adhesion in the contact: once broken, the friction is the one that the curve was measured with.
@@ -66,7 +40,7 @@ class Sticking(_Later):
         if later_deg <= 0.0:
             return signal
         way, least_rad_s = np.sign(signal), standing_rad_s(context)
-        starts = _beyond(signal, context, self.sides, later_deg)
+        starts = beyond(signal, context, self.sides, later_deg)
         stops = np.abs(signal) <= least_rad_s
         if self.at_reversals:
             stops |= way != np.r_[way[:1], way[:-1]]
@@ -76,29 +50,7 @@ class Sticking(_Later):
     @property
     def lookalikes(self) -> tuple[Effect, ...]:
         """Dead zones that are wider whatever φ comes from: the model's edges lie elsewhere."""
-        return tuple(_Wider(sides) for sides in ((-1.0, 1.0), (1.0,), (-1.0,)))
-
-
-@dataclass(frozen=True)
-class _Wider(_Later):
-    """The rotor stands h degrees farther, outward and inward bound: no cause, the curve is off."""
-
-    sides: tuple[float, ...]
-    name = "wider_dead_zone"
-    meaning = "The dead zone is wider than the model's."
-    mend = "Identify the model on phases close to both edges of the dead zone."
-
-    def apply(self, signal: Array, context: Context, values: Values) -> Array:
-        """Return the settled speed, 0 in the wider zone.
-
-        Parameters
-        ----------
-        signal, context, values
-            As in `Effect.apply`.
-        """
-        later_deg = values["start_later_deg"]
-        starts = _beyond(signal, context, self.sides, later_deg)
-        return np.where(starts | (later_deg <= 0.0), signal, 0.0)
+        return WIDER
 
 
 class AtRest(Sticking):
@@ -186,49 +138,6 @@ class Play(Effect):
             All stretches.
         """
         return {"width_deg": np.geomspace(0.02, 40.0, 30)}
-
-
-def _beyond(
-    signal: Array, context: Context, sides: Sequence[float], later_deg: float
-) -> NDArray[np.bool_]:
-    """Whether the rotor runs, and ran so many degrees nearer to 0, too, shape (N,)."""
-    way, least_rad_s = np.sign(signal), standing_rad_s(context)
-    # Of two ways to wire a motor, one runs backwards at a positive phase.
-    outward = way * np.copysign(1.0, np.sum(context.phase_deg * signal))
-    before_rad_s = context.settled_rad_s(
-        context.phase_deg - outward * np.where(np.isin(way, sides), later_deg, 0.0)
-    )
-    runs: NDArray[np.bool_] = (np.abs(signal) > least_rad_s) & (way * before_rad_s > least_rad_s)
-    return runs
-
-
-def _into_run_deg(context: Context) -> Array:
-    """By how many degrees the phases at which the rotor runs lie beyond the dead zone, shape (K,).
-
-    The edge is found by halving: the curve may be of any kind, and dip below 0 before a jump.
-    """
-    size, way = np.abs(context.phase_deg), np.sign(context.phase_deg)
-    least_rad_s, settled_rad_s = standing_rad_s(context), context.settled_rad_s(context.phase_deg)
-    forward = way * np.copysign(1.0, np.sum(context.phase_deg * settled_rad_s))
-    runs = forward * settled_rad_s > least_rad_s
-    inside, outside = np.zeros(context.n), size
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (inside + outside)
-        fast = forward * context.settled_rad_s(way * middle) > least_rad_s
-        inside, outside = np.where(fast, inside, middle), np.where(fast, middle, outside)
-    found: Array = (size - outside)[runs].round(_DIGITS)
-    return found
-
-
-def standing_rad_s(context: Context) -> float:
-    """Return the settled speed below which the rotor counts as standing.
-
-    Parameters
-    ----------
-    context
-        The stretch.
-    """
-    return _STANDING * float(np.max(np.abs(context.settled_rad_s(context.phase_deg))))
 
 
 def _latched(

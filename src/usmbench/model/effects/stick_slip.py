@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+from usmbench.model.effects.later_start import WIDER
 
 
 class StickSlip(Effect):
@@ -44,6 +45,11 @@ class StickSlip(Effect):
         """
         top = max(float(np.max(np.abs(c.settled_rad_s(c.phase_deg)))) for c in contexts)
         return {"fades_rad_s": np.clip(top * np.geomspace(0.01, 0.4, 8), 0.02, 5.0)}
+
+    @property
+    def lookalikes(self) -> tuple[Effect, ...]:
+        """Dead zones that are wider: a curve drawn through may end elsewhere, or cannot jump."""
+        return WIDER
 
     def habitual(self, contexts: Sequence[Context]) -> bool:
         """Return True: a smooth curve rounds off where a healthy motor stands still.

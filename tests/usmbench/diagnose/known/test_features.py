@@ -10,6 +10,7 @@ from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.features_of_runs import features_of
 from usmbench.diagnose.known.step_columns import after_steps
 from usmbench.diagnose.noise.noise_model import LAGS
+from usmbench.model.effects.first_order import first_order
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.linear import free_run
 from usmbench.model.polygon import hats
@@ -46,6 +47,31 @@ def test_a_step_has_its_course_though_another_comes_meanwhile(
     for lag in range(LAGS):
         course = columns[:, groups == f"lag {lag}"].sum(axis=1)
         assert course[lag:] == pytest.approx(steps[: n - lag], abs=1e-5)
+
+
+def test_lateness_has_a_shape_of_its_own_where_the_dynamics_outlast_the_lags(
+    model: HammersteinModel,
+) -> None:
+    """Of a motor that takes many windows for a step, what comes after the last lag is in none."""
+    window_s, n = 0.002, 600
+    linear = first_order(0.008, 0.001, window_s)
+    quick = replace(model, linear=linear)
+    phase_deg = np.repeat(np.random.default_rng(4).choice([-80.0, 0.0, 80.0], n // 2), 2)
+    settled = model.points[0].curve.speed_rad_s(phase_deg)
+    late_rad_s = free_run(first_order(0.008, 0.00102, window_s), settled)
+    record = Record(
+        "run", window_s * np.arange(1.0, n + 1.0), phase_deg, late_rad_s, np.full(n, window_s)
+    )
+    ((stretch,), _) = cut_runs([record], quick, ())
+    features = features_of([stretch])
+    columns, groups = np.column_stack(list(features.columns(stretch))), np.array(features.groups)
+    use = stretch.use
+    cells = columns[use][:, np.char.startswith(groups, "lag")]
+    residual = stretch.residual_rad_s[use]
+    by_cells = residual - cells @ np.linalg.lstsq(cells, residual, rcond=None)[0]
+    (lateness,) = columns[use][:, groups == "late"].T
+    by_lateness = residual - lateness * float(lateness @ residual) / float(lateness @ lateness)
+    assert np.linalg.norm(by_lateness) < 0.1 * np.linalg.norm(by_cells)
 
 
 @pytest.mark.parametrize("n", range(1, LAGS + 2))

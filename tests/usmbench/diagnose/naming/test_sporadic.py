@@ -10,6 +10,7 @@ from scipy.signal import sawtooth
 from known_motor import CURVE, NOISE_RAD_S, WINDOW_S, applied, driven, identified, measured
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.fitting.fit import NOTHING
+from usmbench.diagnose.fitting.foretold import foretold_rad_s
 from usmbench.diagnose.fitting.gain import held_out_gain
 from usmbench.diagnose.known.knowledge import knowledge_of
 from usmbench.diagnose.naming.sporadic import find_sporadic, left_unnamed
@@ -200,7 +201,7 @@ def test_false_counts_among_the_judged_windows_are_gained_too() -> None:
     problem = judged(swinging(4.0)[0])
     sporadic = find_sporadic(problem, (), 1.0)
     assert sporadic is not None
-    gain = held_out_gain(problem, NOTHING, sporadic.struck)
+    gain = held_out_gain(problem, foretold_rad_s(problem, NOTHING), sporadic.struck)
     assert gain.gain > 0.8
     assert gain.rmse_extended_rad_s < 0.5 * gain.rmse_simulation_rad_s
 

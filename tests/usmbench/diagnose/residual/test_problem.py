@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.knowledge import Knowledge, knowledge_of
+from usmbench.diagnose.naming.ranking import NO_CHANCE
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.noise.noise_model import Noise
 from usmbench.diagnose.noise.whitening import memory_rows, whitening
@@ -88,7 +89,7 @@ def test_what_is_no_news_departs_by_its_deviations_and_beyond_them_it_hides_some
 
     healthy = [problem.measuring([left_rad_s(1.0)]) for _ in range(40)]
     assert np.mean([np.mean(p.excuses()[0] ** 2) for p in healthy]) == pytest.approx(1.0, abs=0.15)
-    assert min(excused(p, 1.0).p_value for p in healthy) > 1e-4
+    assert min(excused(p, 1.0).p_value for p in healthy) > NO_CHANCE
     assert excused(problem.measuring([left_rad_s(6.0)]), 1.0).p_value < 1e-9
 
 
@@ -149,3 +150,25 @@ def test_another_gain_makes_as_much_more_of_an_effect(
     assert before > 5.0
     again = leaning.showing(())
     np.testing.assert_allclose(again.carried(signal), problem.carried(signal), atol=1e-9)
+
+
+def test_what_the_curve_is_known_to_be_off_by_belongs_to_the_phases_that_are_set(
+    model: HammersteinModel, stretches: list[Stretch], noise: Noise
+) -> None:
+    plain = knowledge_of(model)
+    rough = np.where(np.array(plain.features.groups) == "phase", 0.1, 0.0)
+    known = replace(plain, mean=rough * np.random.default_rng(2).standard_normal(rough.size))
+    offset = Applied(find_effect("phase_offset", ""), {"offset_deg": 4.0})
+    (stretch,) = stretches
+    moved = replace(
+        stretch, context=replace(stretch.context, phase_deg=stretch.context.phase_deg + 4.0)
+    )
+    (change,) = Problem(stretches, known, noise, [stretch.use]).change_rad_s([offset])
+    off = known.expected_rad_s(replace(moved, simulated_rad_s=stretch.simulated_rad_s + change))
+    offset_motor = replace(stretch, speed_rad_s=stretch.simulated_rad_s + change + off)
+    problem = Problem([offset_motor], known, noise, [stretch.use])
+    plainly, shown = (p.left_rad_s([offset])[0] for p in (problem, problem.showing([offset])))
+    assert np.max(np.abs(shown)) < 1e-9
+    assert np.max(np.abs(plainly)) > 0.05
+    (again,) = problem.showing([offset]).showing([]).residual_rad_s
+    assert again == pytest.approx(problem.residual_rad_s[0])

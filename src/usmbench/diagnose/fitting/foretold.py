@@ -1,0 +1,109 @@
+"""What effects foretell of blocks of the runs that their values were not fitted on."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.diagnose.cutting.stretches import Mask
+from usmbench.diagnose.fitting.blocks import FOLDS, held_out, unseen_from
+from usmbench.diagnose.fitting.fit import Fit
+from usmbench.diagnose.fitting.refining import refine
+from usmbench.diagnose.residual.problem import Problem
+
+Array = NDArray[np.float64]
+
+_GROSS, _HARDLY = 1.25, 0.1  # times the mean square that is no news; of what is beyond it
+_BY_CHANCE = 2.0  # standard deviations
+
+
+def foretold_rad_s(problem: Problem, fit: Fit) -> list[Array]:
+    """Return what effects change in each block, their values fitted on the others, by stretch.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    fit
+        The effects at their values on all rows; none foretells no change.
+
+    Returns
+    -------
+    list of Array
+        In rad/s, shape (N,) each.
+    """
+    foretold = [np.zeros(s.residual_rad_s.size) for s in problem.stretches]
+    for rows, refit in _refits(problem, fit):
+        changes = problem.change_rad_s(refit.effects)
+        for own, unseen, change in zip(foretold, rows, changes, strict=True):
+            own[unseen] = change[unseen]
+    return foretold
+
+
+def foretells_nothing(problem: Problem, foretold: Sequence[Array]) -> bool:
+    """Return whether effects foretell worse than none, or hardly touch what is plainly wrong.
+
+    What fits the whitened residual may do neither where little weight lies on much of what is off.
+    What the model is expected to leave is taken off first where these runs show it, since it may
+    lie along a small change, or against it. Where they do not, a change may only make up for it.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    foretold
+        As from `foretold_rad_s`.
+    """
+    plain, beyond, change, level = (
+        np.concatenate([p[mask] for p, mask in zip(part, problem.masks, strict=True)])
+        for part in (
+            [s.residual_rad_s for s in problem.stretches],
+            problem.residual_rad_s,
+            foretold,
+            [problem.noise.level_rad_s(s) for s in problem.stretches],
+        )
+    )
+    shown = float(beyond @ beyond) < float(plain @ plain)
+    residual = beyond if shown else plain
+    above = float(residual @ residual)
+    removed = float(change @ (2.0 * residual - change))
+    off_rad_s = np.concatenate(problem.unsure_rad_s(problem.masks))
+    no_news = float(level @ level + off_rad_s @ off_rad_s)
+    if above > _GROSS * no_news and removed < _HARDLY * (above - no_news):
+        return True
+    if not shown:
+        return removed <= 0.0
+    along = problem.unsure_along([c * m for c, m in zip(foretold, problem.masks, strict=True)])
+    chance = 2.0 * float(np.hypot(np.linalg.norm(change * level), along))
+    return removed < -_BY_CHANCE * chance
+
+
+def held_out_drop(problem: Problem, fit: Fit) -> Array:
+    """Return by how much effects lower the deviance of blocks that their values never saw, by fold.
+
+    Effects that are not there raise it, on average by the number of their parameters.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    fit
+        The effects at their values on all rows.
+    """
+    drop = np.zeros(FOLDS)
+    for fold, (rows, refit) in enumerate(_refits(problem, fit)):
+        unseen = problem.with_masks([m & r for m, r in zip(problem.masks, rows, strict=True)])
+        drop[fold] = unseen.drop(refit.effects)
+    return drop
+
+
+def _refits(problem: Problem, fit: Fit) -> Iterator[tuple[list[Mask], Fit]]:
+    """Yield the rows of each fold, and the effects at their values on the rows of the others.
+
+    Rows that the dynamics tie to the fold are left out of the fit, too.
+    """
+    for fold in range(FOLDS) if fit.effects else ():
+        pairs = zip(problem.masks, problem.stretches, strict=True)
+        masks = [mask & ~unseen_from(stretch, fold) for mask, stretch in pairs]
+        rows = [held_out(stretch, fold) for stretch in problem.stretches]
+        yield rows, refine(problem.with_masks(masks), fit)
