@@ -188,7 +188,7 @@ def _write_plan(file: Path, found: Diagnosis) -> None:
         )
         return
     plan = yaml.safe_dump(found.next_experiment["plan"], sort_keys=False, width=100)
-    write_output(file, plan)
+    write_output(file, f"# {found.next_experiment['says']}\n{plan}")
 
 
 def _lines(found: Diagnosis) -> str:

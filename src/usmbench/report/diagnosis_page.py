@@ -241,14 +241,14 @@ def _next(diagnosis: Diagnosis) -> str:
     """Show the experiment that would decide."""
     proposal = diagnosis.next_experiment
     if proposal is None:
-        says = "None is proposed: there are no causes left that a sweep would tell apart."
+        says = "None is proposed: no causes are left that a sweep would tell apart."
         return f'<h2 id="next">The next experiment</h2><p>{says}</p>'
     odds = ""
     if "odds_before" in proposal:
         before, after = (probability_of(proposal[key]) for key in ("odds_before", "odds_after"))
         odds = (
             f"<p>Odds of telling them apart: <b>{before}</b> with these runs, "
-            f"<b>{after}</b> with that sweep.</p>"
+            f"<b>{after}</b> with that sweep, if the simulation is right in all else.</p>"
         )
     return (
         f'<h2 id="next">The next experiment</h2><p>{escaped(proposal["says"])}</p>{odds}'

@@ -72,7 +72,8 @@ def test_the_page_says_everything_once(
         "Time a command.",
         "thermal drift: the run is too short",
         "Something is left: the residual changes over the run.",
-        "Odds of telling them apart: 55 % with these runs, more than 99 % with that sweep.",
+        "Odds of telling them apart: 55 % with these runs, more than 99 % with that sweep, if "
+        "the simulation is right in all else.",
         "frequency_hz: 41000",
         "0.2 %",
         "ab" * 32,

@@ -64,12 +64,11 @@ class Question:
 
     @property
     def says(self) -> str:
-        """The question in words."""
-        names = [
-            "nothing of the kind" if rival is None else rival.effect.name.replace("_", " ")
-            for rival in self.rivals
-        ]
-        return f"{', '.join(names[:-1])} and {names[-1]}"
+        """What an experiment is for."""
+        names = [rival.effect.name.replace("_", " ") for rival in self.rivals if rival is not None]
+        if len(names) == 1:
+            return f"To see whether there is any {names[0]}"
+        return f"To decide between {', '.join(names[:-1])} and {names[-1]}"
 
 
 def question_of(diagnosis: Diagnosis) -> Question | None:
@@ -140,7 +139,7 @@ def propose(
     if after < before + _WORTH:
         return None
     return {
-        "says": f"To decide between {question.says}: {chosen.says}.",
+        "says": f"{question.says}: {chosen.says}; {chosen.lasts(design.window_s)}.",
         "plan": chosen.plan.source.document,
         "odds_before": before,
         "odds_after": after,
@@ -154,7 +153,7 @@ class _Design:
         self._question, self._model = question, model
         self._own = own_effects(model)
         self._known: Knowledge = known_of(model)
-        self._window_s = float(np.median(records[0].window_s))
+        self.window_s = float(np.median(records[0].window_s))
         stretches, _ = cut_beside_own(records, model)
         self._stretches = first_windows(stretches, _MOST_WINDOWS)
         effects = (*(rival for rival in question.rivals[:1] if rival), *question.given)
@@ -182,7 +181,7 @@ class _Design:
         """Return how far the closest two lie apart, with one more run or without."""
         stretches = list(self._stretches)
         if experiment is not None:
-            record = planned_record(experiment.plan, self._model, self._window_s)
+            record = planned_record(experiment.plan, self._model, self.window_s)
             new, _ = cut_beside_own([record], self._model)
             run = 1 + max(s.run for s in stretches)
             stretches += [replace(s, run=run) for s in new]

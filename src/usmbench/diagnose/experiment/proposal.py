@@ -45,6 +45,17 @@ class Experiment:
         held: int = self.document["dwell"]["windows"] if free is None else free["hold_windows"]
         return held
 
+    def lasts(self, window_s: float) -> str:
+        """Say how long it takes.
+
+        Parameters
+        ----------
+        window_s
+            Duration of a window; the plan counts in windows.
+        """
+        n = sum(dwell.windows for dwell in schedule(self.plan, window_s))
+        return f"{n * window_s:.0f} s in windows of {1e3 * window_s:g} ms"
+
     def repeated(self, times: int) -> "Experiment":
         """Return the same experiment, several times as long.
 

@@ -128,7 +128,7 @@ def test_an_effect_too_small_to_name_gets_a_plan_that_shows_it(
         small = replace(hint, parameters=(replace(DELAY, value=delay_s),))
         proposal = propose(replace(found, candidates=(small,)), [healthy], model)
         if proposal is not None:
-            assert "transport delay and nothing of the kind" in proposal["says"]
+            assert "To see whether there is any transport delay: " in proposal["says"]
             gained.append(proposal["odds_after"] - proposal["odds_before"])
     # The smallest show under no plan; the largest did not show, though the model says they would.
     assert max(gained) > 0.25
