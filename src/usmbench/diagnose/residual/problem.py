@@ -140,8 +140,8 @@ class Problem:
         """Return the same problem of a motor that shows effects.
 
         What changes the speed by a share, as another gain and a warm motor do, changes what effects
-        make of it by as much. What the curve is known to be off by belongs to the phases that
-        effects make of the commanded ones.
+        make of it by as much. What the curve is known to be off by, on average over the phases near
+        each other, belongs to the phases that are set, which a coarse grid does not shift.
 
         Parameters
         ----------
@@ -149,16 +149,18 @@ class Problem:
             The effects.
         """
         changes = self.change_rad_s(effects)
-        shown = [
-            replace(
-                s,
-                simulated_rad_s=s.simulated_rad_s + c,
-                context=replace(
-                    s.context, phase_deg=through(effects, "command", s.context.phase_deg, s.context)
-                ),
+        smooth = [a for a in effects if not a.effect.jagged]
+        shown = []
+        for stretch, change in zip(self.stretches, changes, strict=True):
+            context = stretch.context
+            phase_deg = through(smooth, "command", context.phase_deg, context)
+            shown.append(
+                replace(
+                    stretch,
+                    simulated_rad_s=stretch.simulated_rad_s + change,
+                    context=replace(context, phase_deg=phase_deg),
+                )
             )
-            for s, c in zip(self.stretches, changes, strict=True)
-        ]
         return self._leaving(shown)
 
     def turned(self, effects: Sequence[Applied]) -> "Problem":
