@@ -94,25 +94,9 @@ def check_bench(records: Sequence[Record], bench: str, runs: Path) -> list[str]:
     if runs.exists() and not runs.is_dir():
         raise InputError(f"{runs}: is no folder; choose another --runs-folder")
     for record in records:
-        window_s = float(np.median(record.window_s))
-        if abs(window_s - settings.window_s) > _SAME * window_s:
-            raise InputError(
-                f"{record.name}: its windows are {1e3 * window_s:g} ms long, those of {bench} "
-                f"{1e3 * settings.window_s:g} ms; name the bench that measured it"
-            )
-        own = record.meta.get("bench")
-        name = own.get("name") if isinstance(own, dict) else None
-        motor = record.meta.get("motor")
-        if name is not None and (name == SIMULATED) != (bench == SIMULATED):
-            raise InputError(
-                f"{record.name}: was measured on the bench {name}, which is not {bench}: an "
-                "experiment there would be on another motor; name the bench that measured it"
-            )
-        if motor is not None and bench != SIMULATED and motor != settings.motor:
-            raise InputError(
-                f"{record.name}: was measured on the motor {motor}, {bench} has {settings.motor}; "
-                "name the bench that measured it"
-            )
+        why = _another_bench(record, bench, settings)
+        if why is not None:
+            raise InputError(f"{record.name}: {why}; name the bench that measured it")
     if bench == SIMULATED and len({SimulatedMotor.of_run(r.meta).defects for r in records}) > 1:
         raise InputError(
             "the runs are of different simulated motors (their run.yaml name different defects); "
@@ -123,6 +107,20 @@ def check_bench(records: Sequence[Record], bench: str, runs: Path) -> list[str]:
         for record in records
         if "bench" not in record.meta
     ]
+
+
+def _another_bench(record: Record, bench: str, settings: BenchSettings) -> str | None:
+    """Say why a bench cannot be the one that measured a run, or return None."""
+    window_s, there_s = float(np.median(record.window_s)), settings.window_s
+    if abs(window_s - there_s) > _SAME * window_s:
+        return f"its windows are {1e3 * window_s:g} ms long, those of {bench} {1e3 * there_s:g} ms"
+    own, motor = record.meta.get("bench"), record.meta.get("motor")
+    name = own.get("name") if isinstance(own, dict) else None
+    if name is not None and (name == SIMULATED) != (bench == SIMULATED):
+        return f"was measured on the bench {name}, on {bench} is another motor"
+    if bench != SIMULATED and motor not in (None, settings.motor):
+        return f"was measured on the motor {motor}, {bench} has {settings.motor}"
+    return None
 
 
 def decide(

@@ -38,7 +38,13 @@ class LaterStart(Effect):
 
 @dataclass(frozen=True)
 class WiderDeadZone(LaterStart):
-    """The rotor stands h degrees farther, outward and inward bound: no cause, the curve is off."""
+    """The rotor stands h degrees farther, outward and inward bound: no cause, the curve is off.
+
+    Parameters
+    ----------
+    sides
+        Ways, 1 and −1, in which it does.
+    """
 
     sides: tuple[float, ...]
     name = "wider_dead_zone"
