@@ -14,8 +14,9 @@ from usmbench.model.extended import Applied, counted, shaft_run
 Array = NDArray[np.float64]
 
 _AFTER = ("motion", "counter")
-# A scan of the library over 1e4 windows has some 1300 courses; of fewer, each would be lost again.
-_KEPT, _FEWEST = 20_000_000, 4  # speeds, 128 MB; courses
+# A search through the library over 1e4 windows has up to 2000 courses; of fewer kept, each is lost
+# before it is asked for again.
+_KEPT, _FEWEST = 20_000_000, 4  # speeds, 160 MB; courses
 
 
 class FreeRuns:
