@@ -10,6 +10,7 @@ from usmbench.diagnose.fitting.fit import NOTHING
 from usmbench.diagnose.known.knowledge import knowledge_of
 from usmbench.diagnose.naming.ranking import Ranked, alternatives, rank, undecided
 from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.effects.base import Effect
 from usmbench.model.effects.dead_zone_hysteresis import Sticking
 from usmbench.model.effects.registry import library
 from usmbench.model.extended import Applied
@@ -45,25 +46,31 @@ def test_what_explains_no_more_than_chance_is_no_alternative() -> None:
 
 
 STICKS = applied("dead_zone_hysteresis", "sticking", start_later_deg=4.0)
+SLIPS = applied("stick_slip", "", lost_rad_s=0.5, fades_rad_s=1.0)
 WIDER = Applied(Sticking().lookalikes[0], {"start_later_deg": 4.0})
 UP_AND_DOWN_DEG = np.r_[np.arange(-84.0, 85.0, 3.0), np.arange(84.0, -85.0, -3.0)]
 FROM_REST_DEG = np.ravel([(0.0, phase_deg) for phase_deg in np.arange(-84.0, 85.0, 3.0)])
 
 
 @pytest.mark.parametrize(
-    ("hidden", "phase_deg", "is_a_cause"),
-    [(STICKS, UP_AND_DOWN_DEG, True), (WIDER, FROM_REST_DEG, False)],
-    ids=["sticks", "is off at its edges"],
+    ("hidden", "weighed", "phase_deg", "is_a_cause"),
+    [
+        (STICKS, STICKS.effect, UP_AND_DOWN_DEG, True),
+        (WIDER, STICKS.effect, FROM_REST_DEG, False),
+        (SLIPS, SLIPS.effect, FROM_REST_DEG, True),
+        (WIDER, SLIPS.effect, FROM_REST_DEG, False),
+    ],
+    ids=["sticks", "is off at its edges", "sticks and slips", "is off, and does not slip"],
 )
 def test_a_cause_yields_to_what_a_model_may_be_off_by(
-    hidden: Applied, phase_deg: NDArray[np.float64], *, is_a_cause: bool
+    hidden: Applied, weighed: Effect, phase_deg: NDArray[np.float64], *, is_a_cause: bool
 ) -> None:
     model = identified()
     (stretch,), _ = cut_runs([driven(np.repeat(phase_deg, 10), 3, hidden)], model, ())
     known = knowledge_of(model)
     assert known.noise is not None
     problem = Problem([stretch], known, known.noise, [stretch.use])
-    (found,) = rank(problem, [STICKS.effect], 1.0)
+    (found,) = rank(problem, [weighed], 1.0)
     assert found.fit.statistic > 100.0
     assert (found.p_value < 1e-6) == is_a_cause
     assert (found.score > 0.0) == is_a_cause
