@@ -1,5 +1,7 @@
 """A motor known to the last figure, runs of it with effects in them, and its model."""
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -44,6 +46,7 @@ def applied(name: str, form: str, **values: float) -> Applied:
     return Applied(find_effect(name, form), values)
 
 
+@cache
 def identified() -> HammersteinModel:
     """Return the model that two healthy runs give."""
     runs = [measured(1), measured(2)]

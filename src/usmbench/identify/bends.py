@@ -4,7 +4,7 @@ A smooth curve of even knots rings where the motor's turns sharply, and has its 
 else or nowhere.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 Bends = tuple[tuple[float, ...], ...]
 """Sets of phases at which a curve may bend sharply."""
 
-_NODES = 61
+NODES = 61
 _FEWEST_PHASES = 3
 _STIFFNESS = 0.03  # of the polygon: nodes follow their rows, those that have none their neighbours
 _SAME = 0.005  # of the range of phases
@@ -37,9 +37,10 @@ def bends_of_rows(rows: CurveRows, span_deg: tuple[float, float]) -> Bends:
     phases_deg = np.unique(np.concatenate(rows.phase_deg))
     if phases_deg.size < _FEWEST_PHASES:
         return ()
-    nodes_deg = phases_deg if phases_deg.size <= _NODES else np.linspace(*span_deg, _NODES)
+    nodes_deg = phases_deg if phases_deg.size <= NODES else np.linspace(*span_deg, NODES)
+    speed_rad_s = np.linalg.lstsq(*polygon_rows(rows, nodes_deg), rcond=None)[0]
     grid_deg = fine_grid_deg(*span_deg)
-    return _bends(grid_deg, np.interp(grid_deg, nodes_deg, _polygon_rad_s(rows, nodes_deg)))
+    return _bends(grid_deg, np.interp(grid_deg, nodes_deg, speed_rad_s))
 
 
 def bends_of_curve(curve: StaticCurve) -> Bends:
@@ -86,16 +87,44 @@ def _same(
     )
 
 
-def _polygon_rad_s(rows: CurveRows, nodes_deg: Array) -> Array:
-    """Speeds at the nodes, by least squares on the samples that are used."""
+def polygon_rows(rows: CurveRows, nodes_deg: Array) -> tuple[Array, Array]:
+    """Return the least-squares problem of a polygon, each sample over its spread.
+
+    Parameters
+    ----------
+    rows
+        The samples, of which those that are used count.
+    nodes_deg
+        The polygon's nodes, shape (K,).
+
+    Returns
+    -------
+    matrix, wanted
+        Shape (N + K − 2, K) and (N + K − 2,): the samples, then what holds nodes without any.
+    """
+    shapes = responses(rows, lambda phase_deg: np.column_stack(list(hats(phase_deg, nodes_deg))))
     used = np.concatenate(rows.fold) >= -1
-    near = [np.column_stack(list(hats(p, nodes_deg))) for p in rows.phase_deg]
-    responses = [rows.dynamics.respond(own) for own in near]
-    weight = np.concatenate(rows.weight)[used]
-    shapes = np.vstack(responses)[used] * weight[:, None]
-    wanted = np.concatenate(rows.speed_rad_s)[used] * weight
+    wanted = (np.concatenate(rows.speed_rad_s) * np.concatenate(rows.weight))[used]
     share, width_deg = np.sqrt(wanted.size / nodes_deg.size), float(np.mean(np.diff(nodes_deg)))
     pull = _STIFFNESS * share * width_deg * turns(nodes_deg)
-    both, outcome = np.vstack([shapes, pull]), np.r_[wanted, np.zeros(len(pull))]
-    speeds: Array = np.linalg.lstsq(both, outcome, rcond=None)[0]
-    return speeds
+    return np.vstack([shapes, pull]), np.r_[wanted, np.zeros(len(pull))]
+
+
+def responses(rows: CurveRows, shapes: Callable[[Array], Array]) -> Array:
+    """Return what shapes of a curve do to the samples that are used, each over its spread.
+
+    Parameters
+    ----------
+    rows
+        The samples.
+    shapes
+        From phases, shape (M,), to the shapes' values there, shape (M, K).
+
+    Returns
+    -------
+    Array
+        Shape (N, K).
+    """
+    felt = np.vstack([rows.dynamics.respond(shapes(phase_deg)) for phase_deg in rows.phase_deg])
+    used = np.concatenate(rows.fold) >= -1
+    return np.asarray((felt * np.concatenate(rows.weight)[:, None])[used])

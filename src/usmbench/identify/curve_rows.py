@@ -91,8 +91,7 @@ def curve_rows(data: Dataset, point: int, rough: Projected) -> CurveRows:
         A first fit to the same samples; what lies far off it is left out, and the noisier kind of
         its rows counts for less.
     """
-    dynamics = rough.fit.dynamics
-    forget = memory_windows(dynamics.linear_part(None))
+    forget = memory_windows(rough.fit.dynamics.linear_part(None))
     phases, speeds, error_rad_s = _dwell_medians(data, point, forget)
     levels = np.unique(data.phase_deg(point)).size
     fewest = _MOST_OF_THEM * levels if levels <= _LEVELS else _FEWEST_PHASES
@@ -100,13 +99,34 @@ def curve_rows(data: Dataset, point: int, rough: Projected) -> CurveRows:
         fold, standing = _phase_folds(phases), _standing_deg(phases, speeds, error_rad_s)
         weight, scatter = np.ones(fold.size), _scatter(phases, speeds, error_rad_s)
         return CurveRows((phases,), (speeds,), (fold,), NONE, (weight,), standing, *scatter)
+    return block_rows(data, point, rough)
+
+
+def block_rows(
+    data: Dataset, point: int, rough: Projected, most: int | None = _MOST_ROWS
+) -> CurveRows:
+    """Gather samples of which blocks of the record are held out.
+
+    Parameters
+    ----------
+    data
+        The samples.
+    point
+        Index of the operating point.
+    rough
+        As in `curve_rows`.
+    most
+        Rows at most, from the beginning of every stretch; None for all.
+    """
+    dynamics = rough.fit.dynamics
+    forget = memory_windows(dynamics.linear_part(None))
     chosen = [k for k, s in enumerate(data.segments) if s.point == point]
     pieces = [data.segments[k] for k in chosen]
     wild = _wild([rough.fit.residual_rad_s[k] for k in chosen], pieces)
     # Those of the problem are of the round before its last.
     weights = bisquare_weights(rough, residual_scales(rough))
     total = sum(s.n for s in pieces)
-    keep = min(1.0, _MOST_ROWS / total)
+    keep = 1.0 if most is None else min(1.0, most / total)
     cut = [max(forget + 1, int(s.n * keep)) for s in pieces]
     folds = []
     for k, (segment, n) in enumerate(zip(pieces, cut, strict=True)):

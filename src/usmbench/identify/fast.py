@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +14,9 @@ from usmbench.identify.polish import polished
 from usmbench.identify.projected import Projected
 from usmbench.identify.residual_tests import residual_tests
 from usmbench.identify.result import Identification, assemble
-from usmbench.identify.robust import robust_fit
+from usmbench.identify.robust import RobustFit, robust_fit
 from usmbench.identify.run_gains import at_one_gain, far_off, run_gains
-from usmbench.identify.shape import FastOptions, rough_fit, settle_shape
+from usmbench.identify.shape import FastOptions, Shape, rough_fit, settle_shape
 from usmbench.identify.thinning import searched_part
 from usmbench.identify.torque_limit import limited_fit
 from usmbench.identify.uncertainty import (
@@ -35,6 +35,7 @@ Array = NDArray[np.float64]
 
 _SEARCH_SHARE = 0.01  # of a long record: the better the curvature, the fewer passes over all
 _GAIN_ROUNDS, _SAME_GAIN = 3, 2e-4  # no bench repeats better
+_OTHER_GAIN = 2e-3  # that a curve may have followed
 _MOST_GAIN = 0.2  # beyond it a run is not that of another day
 _SEARCH_ROWS, _SEARCH_DWELLS = (3_000, 20_000), 600
 
@@ -56,9 +57,8 @@ def identify_fast(records: Sequence[Record], options: FastOptions) -> Identifica
     """
     started_s = time.perf_counter()
     measured = from_windows(records)
-    data, part, rough = _at_one_gain(measured, options)
-    shape = settle_shape(part, rough, options)
-    knots_deg, search = shape.knots_deg, robust_fit(shape.problem(part))
+    data, part, shape, search = _at_one_gain(measured, options)
+    knots_deg = shape.knots_deg
     family = search.problem.family
     share = part.n / data.n
     priors = [np.sqrt(share) * prior for prior in shape.priors(data)]
@@ -89,23 +89,63 @@ def identify_fast(records: Sequence[Record], options: FastOptions) -> Identifica
     return replace(found, warnings=warnings, fit_s=time.perf_counter() - started_s)
 
 
-def _at_one_gain(measured: Dataset, options: FastOptions) -> tuple[Dataset, Dataset, Projected]:
-    """Return all samples and those to search on without the runs' own gains, and a first fit."""
+@dataclass(frozen=True, slots=True)
+class _Runs:
+    """All samples and those to search on, without the gains that the runs have of their own."""
+
+    measured: Dataset
+    some: Dataset
+    gains: Array
+
+    @property
+    def data(self) -> Dataset:
+        """All samples, at one gain."""
+        return at_one_gain(self.measured, self.gains)
+
+    @property
+    def part(self) -> Dataset:
+        """Samples to search on, at one gain."""
+        return at_one_gain(self.some, self.gains)
+
+    def further(self, problem: Projected) -> Array:
+        """Return what gain a fit to the samples to search on still shows of each run."""
+        return run_gains(problem, [s.run for s in self.some.segments])
+
+    def also(self, further: Array) -> "_Runs":
+        """Return the runs with further gains taken out; what is far off is an outlier at first."""
+        gains = (1.0 + self.gains) * (1.0 + further) - 1.0
+        return replace(self, gains=np.clip(gains, -_MOST_GAIN, _MOST_GAIN))
+
+
+def _at_one_gain(
+    measured: Dataset, options: FastOptions
+) -> tuple[Dataset, Dataset, Shape, RobustFit]:
+    """Return all samples and those to search on without the runs' own gains, and fits to these.
+
+    A rough curve takes part of what it misses for a gain: the fine one has the last word.
+    """
     some = searched_part(measured, _search_rows(measured))
-    data, part, rough = measured, some, rough_fit(measured, some, options)
-    runs = [s.run for s in some.segments]
-    gains = np.zeros(1 + max(runs))
-    for _ in range(_GAIN_ROUNDS if gains.size > 1 else 0):
-        further = run_gains(rough, runs)
+    runs = _Runs(measured, some, np.zeros(1 + max(s.run for s in some.segments)))
+    rounds = _GAIN_ROUNDS if runs.gains.size > 1 else 0
+    rough = rough_fit(measured, some, options)
+    for _ in range(rounds):
+        further = runs.further(rough)
         if np.max(np.abs(further)) < _SAME_GAIN:
             break
-        # Runs that are far off are outliers at first.
-        gains = (1.0 + gains) * (1.0 + further) - 1.0
-        gains = np.clip(gains, -_MOST_GAIN, _MOST_GAIN)
-        data, part = at_one_gain(measured, gains), at_one_gain(some, gains)
-        rough = rough_fit(data, part, options)
-    warnings = (*data.warnings, *far_off(data.runs, gains))
-    return replace(data, warnings=warnings), part, rough
+        runs = runs.also(further)
+        rough = rough_fit(runs.data, runs.part, options)
+    shape = settle_shape(runs.part, rough, options)
+    search = robust_fit(shape.problem(runs.part))
+    for _ in range(rounds):
+        further = runs.further(search.problem)
+        if np.max(np.abs(further)) < _SAME_GAIN:
+            break
+        runs = runs.also(further)
+        if np.max(np.abs(further)) > _OTHER_GAIN:
+            shape = settle_shape(runs.part, rough, options)
+        search = robust_fit(shape.problem(runs.part))
+    warnings = (*measured.warnings, *far_off(measured.runs, runs.gains))
+    return replace(runs.data, warnings=warnings), runs.part, shape, search
 
 
 def _search_rows(data: Dataset) -> int:

@@ -10,6 +10,7 @@ Array = NDArray[np.float64]
 _GRID = 2001
 _AT_END = 0.02  # of the range: what bends there is its end
 _SLOW, _FAST = 0.03, 0.12  # of the highest speed: where the tangents are taken
+_AT_ONCE, _STEEPER = 0.01, 2.0  # of the highest speed, times: a curve so much steeper below jumps
 
 
 def fine_grid_deg(low_deg: float, high_deg: float) -> Array:
@@ -65,8 +66,9 @@ def place_knots(
 def dead_zone_deg(curve: StaticCurve) -> tuple[float | None, float | None]:
     """Return the edges of the dead zone: where the tangents beside it meet standstill.
 
-    The tangents are chords between 3 % and 12 % of the highest speed. A threshold of speed would
-    put each edge too far out, by the threshold over the slope.
+    The tangents are chords between 3 % and 12 % of the highest speed, or between 1 % and 3 % where
+    the curve is twice as steep there: of a motor that starts with a jump. A threshold of speed
+    would put each edge too far out, by the threshold over the slope.
 
     Parameters
     ----------
@@ -156,10 +158,14 @@ def standing_edges_deg(grid_deg: Array, speeds_rad_s: Array) -> Array:
 def _tangent_feet_deg(size: Array, phase_deg: Array, centre: NDArray[np.intp]) -> Array:
     """Phases beyond the centres at which the chord between two speeds, continued, meets zero."""
     top, beyond = size.max(axis=1), np.arange(phase_deg.size) > centre[:, None]
-    slow_deg, fast_deg = (
-        _first_crossings_deg(size, phase_deg, level * top, beyond) for level in (_SLOW, _FAST)
+    least_deg, slow_deg, fast_deg = (
+        _first_crossings_deg(size, phase_deg, level * top, beyond)
+        for level in (_AT_ONCE, _SLOW, _FAST)
     )
-    return slow_deg - _SLOW * (fast_deg - slow_deg) / (_FAST - _SLOW)
+    at_once = (slow_deg - least_deg) / (_SLOW - _AT_ONCE)
+    later = (fast_deg - slow_deg) / (_FAST - _SLOW)
+    jumps = _STEEPER * np.abs(at_once) < np.abs(later)
+    return np.where(jumps, least_deg - _AT_ONCE * at_once, slow_deg - _SLOW * later)
 
 
 def _first_crossings_deg(

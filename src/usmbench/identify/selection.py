@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 DEGREES = (1, 2, 4, 8, 12, 18, 24, 30, 48, 64)
 STIFFNESSES = (1e-5, 1e-4, 1e-3, 1e-2)
 _SHARES = (0.4, 0.7, 0.9)
-_WIDTHS = (0.005, 0.01, 0.025, 0.06)  # of the range of phases
+WIDTHS = (0.005, 0.01, 0.025, 0.06)  # of the range of phases
 _MIDDLE_DEGREE, _BEST = 24, 3  # how knots are gathered is compared at one degree first
 _HIGH_DEGREE = 30  # beyond it only as long as a higher one is better
 _STANDING_ROWS, _STANDING_WEIGHT = 25, 0.1
@@ -110,6 +110,8 @@ def choose_curve(
     degrees: Sequence[int],
     bends_deg: Sequence[tuple[float, ...]],
     span_deg: tuple[float, float],
+    widths: Sequence[float] = WIDTHS,
+    stiffnesses: Sequence[float] = STIFFNESSES,
 ) -> Choice:
     """Return the candidate that predicts held-out samples best, the simplest among equals.
 
@@ -123,16 +125,21 @@ def choose_curve(
         Sets of phases at which the curve may bend sharply: those to gather knots at.
     span_deg
         Ends of the curve.
+    widths
+        How closely knots may be gathered, of the range of phases.
+    stiffnesses
+        Strengths to compare.
     """
     middle = min(degrees, key=lambda degree: abs(degree - _MIDDLE_DEGREE))
-    ways = [_Gathering(*way) for way in product(bends_deg, _SHARES, _WIDTHS)]
-    judged = [judge_knots(rows, way.knots_deg(span_deg, middle)).held_out_rad_s for way in ways]
+    ways = [_Gathering(*way) for way in product(bends_deg, _SHARES, widths)]
+    tries = [judge_knots(rows, way.knots_deg(span_deg, middle), stiffnesses) for way in ways]
+    judged = [choice.held_out_rad_s for choice in tries]
     kept = [_EVEN, *(ways[k] for k in np.argsort(judged, kind="stable")[:_BEST])]
     tried: list[Choice] = []
     for degree in degrees:
         before = _best(rows, tried) if tried else None
         for way in kept:
-            tried += _judged(rows, way.knots_deg(span_deg, degree), STIFFNESSES)
+            tried += _judged(rows, way.knots_deg(span_deg, degree), stiffnesses)
         if degree > _HIGH_DEGREE and _best(rows, tried) is before:
             break
     return _best(rows, tried)
@@ -148,12 +155,25 @@ def _best(rows: CurveRows, tried: Sequence[Choice]) -> Choice:
     able = [choice for choice in tried if choice.misfit_rad_s <= max(met)]
     best = able[0]
     for choice in able:
-        if _SIMPLER * choice.held_out_rad_s < best.held_out_rad_s:
+        if better(choice, best):
             best = choice
     return best
 
 
-def judge_knots(rows: CurveRows, knots_deg: Array) -> Choice:
+def better(choice: Choice, simpler: Choice) -> bool:
+    """Return whether a choice predicts so much better that it is worth being less simple.
+
+    Parameters
+    ----------
+    choice, simpler
+        The two, judged on the same samples.
+    """
+    return _SIMPLER * choice.held_out_rad_s < simpler.held_out_rad_s
+
+
+def judge_knots(
+    rows: CurveRows, knots_deg: Array, stiffnesses: Sequence[float] = STIFFNESSES
+) -> Choice:
     """Return the best stiffness for given knots.
 
     Parameters
@@ -162,8 +182,10 @@ def judge_knots(rows: CurveRows, knots_deg: Array) -> Choice:
         The samples.
     knots_deg
         The knots.
+    stiffnesses
+        Strengths to compare.
     """
-    return min(_judged(rows, knots_deg, STIFFNESSES), key=lambda choice: choice.held_out_rad_s)
+    return min(_judged(rows, knots_deg, stiffnesses), key=lambda choice: choice.held_out_rad_s)
 
 
 def fitted_curve(rows: CurveRows, choice: Choice) -> StaticCurve:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.identify.bends import bends_of_curve, bends_of_rows, joined
-from usmbench.identify.curve_rows import CurveRows, curve_rows
+from usmbench.identify.curve_rows import CurveRows, block_rows, curve_rows
 from usmbench.identify.data import Dataset
 from usmbench.identify.design import build_design, check_rows
 from usmbench.identify.knots import place_knots
@@ -16,11 +16,13 @@ from usmbench.identify.robust import bisquare_weights, counted_alike, residual_s
 from usmbench.identify.selection import (
     DEGREES,
     Choice,
+    better,
     choose_curve,
     fitted_curve,
     judge_knots,
     prior_rows,
 )
+from usmbench.identify.start_jump import jump_edges_deg, jump_widths, rises, start_jumps
 from usmbench.identify.starting_dynamics import (
     first_dynamics,
     fit_from_afar,
@@ -34,6 +36,8 @@ Array = NDArray[np.float64]
 _FIRST_DEGREE = 12
 _FEW, _FEW_ROWS = 4, 500  # the first dynamics rest on every fourth row, in blocks
 _MIDDLE_DEGREE = 18
+_JUMPING_DEGREE = 24
+_STIFF = (3e-2, 1e-2, 3e-3, 1e-3)  # of a curve that jumps, the stiffest first
 _ALWAYS = 13  # ordinates: stiffness holds those of a dead zone and two slopes between few phases
 
 
@@ -174,8 +178,8 @@ def settle_shape(part: Dataset, rough: Projected, options: FastOptions) -> Shape
         What is fixed.
     """
     points = range(len(part.points))
-    rows = [curve_rows(part, k, rough) for k in points]
-    choices = [_choice(part, k, rows[k], options) for k in points]
+    settled = [_settled(part, k, rough, options) for k in points]
+    choices, rows = zip(*settled, strict=True)
     return Shape(rough, options.knots_deg is not None, choices, rows)
 
 
@@ -198,11 +202,33 @@ def _degrees(data: Dataset, point: int, options: FastOptions) -> tuple[int, ...]
     return degrees
 
 
-def _choice(data: Dataset, point: int, rows: CurveRows, options: FastOptions) -> Choice:
-    """Choose a point's curve, twice: the first choice may say better where it bends."""
+def _settled(
+    data: Dataset, point: int, rough: Projected, options: FastOptions
+) -> tuple[Choice, CurveRows]:
+    """Choose a point's curve, and say on which samples."""
+    rows = curve_rows(data, point, rough)
     if options.given_deg is not None:
-        return judge_knots(rows, options.given_deg)
+        return judge_knots(rows, options.given_deg), rows
     degrees, span_deg = _degrees(data, point, options), data.spans_deg[point]
+    smooth = _smooth(rows, degrees, span_deg)
+    if not start_jumps(block_rows(data, point, rough), span_deg):
+        return smooth, rows
+    every = block_rows(data, point, rough, None)
+    jumps = start_jumps(every, span_deg)
+    if not jumps:
+        return smooth, rows
+    edges_deg = jump_edges_deg(jumps, fitted_curve(rows, smooth))
+    widths = jump_widths(jumps, span_deg)
+    high = tuple(d for d in degrees if d >= _JUMPING_DEGREE) or degrees[-1:]
+    jumping = choose_curve(every, high, (edges_deg,), span_deg, widths, _STIFF)
+    worth = better(jumping, judge_knots(every, smooth.knots_deg))
+    if worth and rises(fitted_curve(every, jumping), edges_deg):
+        return jumping, every
+    return smooth, rows
+
+
+def _smooth(rows: CurveRows, degrees: tuple[int, ...], span_deg: tuple[float, float]) -> Choice:
+    """Choose a curve twice: the first choice may say better where it bends."""
     middling = min(degrees, key=lambda degree: abs(degree - _MIDDLE_DEGREE))
     bends_deg = bends_of_rows(rows, span_deg)
     first = choose_curve(rows, (middling,), bends_deg, span_deg)

@@ -14,7 +14,9 @@ from usmbench.identify.projected import Projected
 from usmbench.identify.robust import counted_alike
 from usmbench.identify.run_gains import at_one_gain, run_gains
 from usmbench.identify.starting_dynamics import soft_priors
+from usmbench.model.effects.first_order import first_order
 from usmbench.model.hammerstein import StaticCurve
+from usmbench.model.linear import free_run
 from usmbench.runs.record import Record
 
 Measure = Callable[..., Record]
@@ -68,6 +70,29 @@ def test_a_curve_follows_the_phase_and_not_the_runs(measure: Measure, curve: Sta
         scale = float(speed_rad_s @ true_rad_s / (true_rad_s @ true_rad_s))
         off.append(float(np.sqrt(np.mean((speed_rad_s / scale - true_rad_s) ** 2))))
     assert off[0] < 1.5 * off[1]
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_what_a_rough_curve_misses_is_no_gain(seed: int) -> None:
+    """A sweep over the whole range, and a closer look at the dead zone, of a motor that repeats."""
+    rng = np.random.default_rng([seed, 7])
+    sweep_deg = 90.0 * (1.0 - 4.0 * np.abs(np.arange(3000) / 500.0 % 1.0 - 0.5))
+    close_deg = np.repeat(rng.uniform(-20.0, 20.0, 600), 5)
+    t_s, window_s = 0.01 * np.arange(1.0, 3001.0), np.full(3000, 0.01)
+    runs = []
+    for name, phase_deg in (("sweep", np.round(sweep_deg, 2)), ("close", close_deg)):
+        speed_rad_s = free_run(first_order(0.0035, 0.0015, 0.01), _sharp_rad_s(phase_deg))
+        noisy = speed_rad_s + 0.02 * rng.standard_normal(3000)
+        runs.append(Record(name, t_s, phase_deg, noisy, window_s))
+    curve = identify_fast(runs, FastOptions()).model.points[0].curve
+    ends_deg = np.array([-88.0, 88.0])
+    assert curve.speed_rad_s(ends_deg) == pytest.approx(_sharp_rad_s(ends_deg), rel=4e-3)
+
+
+def _sharp_rad_s(phase_deg: np.ndarray) -> np.ndarray:
+    """Return speeds that rise at once beyond 8 degrees, and saturate."""
+    beyond_deg = np.maximum(np.abs(phase_deg) - 8.0, 0.0)
+    return np.asarray(-9.0 * np.sign(phase_deg) * np.expm1(-beyond_deg / 40.0))
 
 
 def test_a_run_that_is_no_other_day_is_said(measure: Measure) -> None:
