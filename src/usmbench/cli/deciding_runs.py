@@ -41,10 +41,13 @@ class Judged:
         The diagnosis, its next experiment included.
     records
         The runs.
+    driven
+        Of each experiment that was driven for it, the run and what it was to show.
     """
 
     diagnosis: Diagnosis
     records: tuple[Record, ...]
+    driven: tuple[tuple[str, str], ...] = ()
 
 
 def judge(records: Sequence[Record], model: HammersteinModel) -> Judged:
@@ -159,7 +162,8 @@ def decide(
         folder = runs / f"{datetime.now():%Y%m%dT%H%M%S}-{file_name(plan.name)}-{number}"
         motor = SimulatedMotor.of_run(here.records[0].meta, later=number)
         _measure(plan, bench, motor, folder)
-        here = judge((*here.records, read_run(folder)), model)
+        driven = (*here.driven, (str(folder), str(proposal["says"])))
+        here = replace(judge((*here.records, read_run(folder)), model), driven=driven)
         yield here
 
 

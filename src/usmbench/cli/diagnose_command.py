@@ -173,7 +173,9 @@ def _write(args: argparse.Namespace, judged: Judged, model: HammersteinModel) ->
     if args.report is not None:
         from usmbench.report.diagnosis_page import write_diagnosis_page
 
-        write_diagnosis_page(args.report, found, judged.records, model, args.model)
+        write_diagnosis_page(
+            args.report, found, judged.records, model, args.model, driven=judged.driven
+        )
     if args.json:
         write_json(args.json, found.to_json())
 

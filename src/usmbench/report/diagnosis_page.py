@@ -15,6 +15,7 @@ from usmbench.report.diagnosis_tables import (
     fitted_on,
     plan_text,
     runs_table,
+    table,
 )
 from usmbench.report.diagnosis_text import (
     escaped,
@@ -41,6 +42,7 @@ def write_diagnosis_page(
     records: Sequence[Record],
     model: HammersteinModel,
     model_file: Path,
+    driven: Sequence[tuple[str, str]] = (),
 ) -> None:
     """Write the page.
 
@@ -56,6 +58,8 @@ def write_diagnosis_page(
         The model they were held against.
     model_file
         Where it was read from.
+    driven
+        Of each experiment that was driven to decide, the run and what it was to show.
 
     Raises
     ------
@@ -64,7 +68,7 @@ def write_diagnosis_page(
     """
     files = [model_file, *(_windows_of(Path(record.name)) for record in records)]
     sums = {str(file): sha256_of(file) for file in files}
-    write_output(path, diagnosis_page(diagnosis, records, model, sums))
+    write_output(path, diagnosis_page(diagnosis, records, model, sums, driven))
 
 
 def _windows_of(run: Path) -> Path:
@@ -77,6 +81,7 @@ def diagnosis_page(
     records: Sequence[Record],
     model: HammersteinModel,
     sums: Mapping[str, str],
+    driven: Sequence[tuple[str, str]] = (),
 ) -> str:
     """Return the page.
 
@@ -90,8 +95,10 @@ def diagnosis_page(
         The model they were held against.
     sums
         SHA-256 of every file that was read, by its name.
+    driven
+        Of each experiment that was driven to decide, the run and what it was to show.
     """
-    body = "\n".join(_sections(diagnosis, records, model, sums))
+    body = "\n".join(_sections(diagnosis, records, model, sums, driven))
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">\n'
@@ -106,6 +113,7 @@ def _sections(
     records: Sequence[Record],
     model: HammersteinModel,
     sums: Mapping[str, str],
+    driven: Sequence[tuple[str, str]],
 ) -> Iterator[str]:
     """Yield the page's parts from top to bottom."""
     motors = list(dict.fromkeys(str(r.meta["motor"]) for r in records if r.meta.get("motor")))
@@ -123,6 +131,7 @@ def _sections(
     yield _evidence(diagnosis)
     yield causes_section(diagnosis)
     yield _left(diagnosis)
+    yield _driven(driven)
     yield _next(diagnosis)
     yield detectable_table(diagnosis)
     yield f'<h2 id="data">What was held against what</h2>{runs_table(records)}'
@@ -235,6 +244,18 @@ def _left(diagnosis: Diagnosis) -> str:
     else:
         says = "What is left over cannot be told from the bench's noise."
     return f'<h2 id="remainder">What is left</h2><p>{escaped(says)}</p>'
+
+
+def _driven(driven: Sequence[tuple[str, str]]) -> str:
+    """Show the experiments that led here."""
+    if not driven:
+        return ""
+    rows = [("", (escaped(run), escaped(says))) for run, says in driven]
+    return (
+        '<h2 id="driven">Experiments that were driven</h2><p class="how">Each was proposed by the '
+        "diagnosis of the runs before it; this page is about all of them together.</p>"
+        f"{table(('Run', 'Why'), rows)}"
+    )
 
 
 def _next(diagnosis: Diagnosis) -> str:

@@ -132,6 +132,7 @@ def test_with_a_bench_it_goes_on_until_one_cause_is_left(
 ) -> None:
     run = measured(triangle, tmp_path / "run.csv", 5, LATE)
     words = [str(run), "--model", str(model_file), "--bench", "simulated", "--json", "found.json"]
+    words += ["--report", "found.html"]
     assert main(["diagnose", *words, "--runs-folder", str(tmp_path / "more")]) == 0
     found = json.loads(Path("found.json").read_text())
     assert found["causes"][0]["name"] == "transport_delay"
@@ -141,7 +142,10 @@ def test_with_a_bench_it_goes_on_until_one_cause_is_left(
     assert bench.motors[0].seed == 1
     said = capsys.readouterr().out
     assert said.count("driven     ") == len(bench.plans)
-    assert len(list((tmp_path / "more").iterdir())) == len(bench.plans)
+    folders = list((tmp_path / "more").iterdir())
+    assert len(folders) == len(bench.plans)
+    page = Path("found.html").read_text("utf-8").split("Experiments that were driven")[1]
+    assert all(folder.name in page for folder in folders)
 
 
 def test_the_budget_ends_it(
@@ -153,6 +157,8 @@ def test_the_budget_ends_it(
     )
     judged = list(deciding_runs.decide(late, motor(), "bench.yaml", 2, tmp_path / "runs"))
     assert [len(each.records) for each in judged] == [2, 3]
+    assert late.diagnosis.next_experiment is not None
+    assert [why for _, why in judged[-1].driven] == [late.diagnosis.next_experiment["says"]] * 2
     assert len(bench.plans) == 2
 
 

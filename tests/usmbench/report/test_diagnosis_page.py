@@ -166,7 +166,8 @@ def test_nothing_out_of_a_file_is_markup(
     spoilt = replace(
         model, method=HOSTILE, fitted_on=({HOSTILE: HOSTILE},), effects=({"name": HOSTILE},)
     )
-    page = diagnosis_page(hostile(make_diagnosis()), [run], spoilt, {HOSTILE: HOSTILE})
+    driven = [(HOSTILE, HOSTILE)]
+    page = diagnosis_page(hostile(make_diagnosis()), [run], spoilt, {HOSTILE: HOSTILE}, driven)
     reader = read(page)
     assert not {tag for tag, _ in reader.tags} & {"script", "img"}
     assert all(not name.startswith("on") for _, attributes in reader.tags for name in attributes)
@@ -174,6 +175,17 @@ def test_nothing_out_of_a_file_is_markup(
     assert "\x00" not in page
     page.encode("utf-8")
     assert "<script>alert(1)</script>" in reader.text  # shown as what it is
+
+
+def test_experiments_that_were_driven_are_listed_with_why(
+    make_diagnosis: Make, record: Record, model: HammersteinModel
+) -> None:
+    driven = [("runs/one", "To tell a delay from backlash: hold each phase.")]
+    page = read(diagnosis_page(make_diagnosis(), [record], model, {}, driven)).text
+    assert "Experiments that were driven" in page
+    assert page.index("runs/one") < page.index(driven[0][1])
+    without = read(diagnosis_page(make_diagnosis(), [record], model, {})).text
+    assert "Experiments that were driven" not in without
 
 
 def test_a_run_without_numbers_in_places_is_still_drawn(
