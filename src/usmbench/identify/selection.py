@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 DEGREES = (1, 2, 4, 8, 12, 18, 24, 30, 48, 64)
 STIFFNESSES = (1e-5, 1e-4, 1e-3, 1e-2)
 _SHARES = (0.4, 0.7, 0.9)
-WIDTHS = (0.005, 0.01, 0.025, 0.06)  # of the range of phases
+_WIDTHS = (0.005, 0.01, 0.025, 0.06)  # of the range of phases
 _MIDDLE_DEGREE, _BEST = 24, 3  # how knots are gathered is compared at one degree first
 _HIGH_DEGREE = 30  # beyond it only as long as a higher one is better
 _STANDING_ROWS, _STANDING_WEIGHT = 25, 0.1
@@ -110,7 +110,7 @@ def choose_curve(
     degrees: Sequence[int],
     bends_deg: Sequence[tuple[float, ...]],
     span_deg: tuple[float, float],
-    widths: Sequence[float] = WIDTHS,
+    widths: Sequence[float] = _WIDTHS,
     stiffnesses: Sequence[float] = STIFFNESSES,
 ) -> Choice:
     """Return the candidate that predicts held-out samples best, the simplest among equals.

@@ -125,12 +125,13 @@ def rises(curve: StaticCurve, edges_deg: Sequence[float]) -> bool:
     curve
         The curve.
     edges_deg
-        The edges.
+        The edges, rising; where there is one, the curve stands between it and 0.
     """
     low_deg, high_deg = curve.knots_deg[[0, -1]]
     top_rad_s = float(np.max(np.abs(curve.delta[[0, -1]])))
-    for edge_deg in edges_deg:
-        reach_deg = np.copysign(_NEAR * (high_deg - low_deg), edge_deg)
+    ways = (-1.0, 1.0) if len(edges_deg) == 2 else np.sign(edges_deg)
+    for edge_deg, way in zip(edges_deg, ways, strict=True):
+        reach_deg = way * _NEAR * (high_deg - low_deg)
         beyond_deg = np.clip(edge_deg + np.linspace(0.0, reach_deg, 201), low_deg, high_deg)
         size = np.abs(curve.speed_rad_s(beyond_deg))
         if np.max(np.maximum.accumulate(size) - size) > _LEAST * top_rad_s:
@@ -148,9 +149,11 @@ def jump_edges_deg(jumps: Sequence[StartJump], curve: StaticCurve) -> tuple[floa
     curve
         A curve that does not jump.
     """
-    at_deg = [jump.phase_deg for jump in jumps]
-    others = [e for e in dead_zone_deg(curve) if e is not None]
-    return tuple(sorted([*at_deg, *(e for e in others if all(e * at < 0.0 for at in at_deg))]))
+    edges_deg = [edge_deg for edge_deg in dead_zone_deg(curve) if edge_deg is not None]
+    for jump in jumps:
+        if edges_deg:
+            edges_deg.remove(min(edges_deg, key=lambda edge: abs(edge - jump.phase_deg)))
+    return tuple(sorted([*edges_deg, *(jump.phase_deg for jump in jumps)]))
 
 
 def jump_widths(jumps: Sequence[StartJump], span_deg: tuple[float, float]) -> tuple[float, ...]:

@@ -84,6 +84,16 @@ def test_one_side_may_jump_alone() -> None:
     assert jump_edges_deg([jump], bent) == (dead_zone_deg(bent)[0], jump.phase_deg)
 
 
+def test_a_dead_zone_that_lies_on_one_side_of_0_keeps_its_other_edge() -> None:
+    bent = StaticCurve(np.linspace(-60.0, 120.0, 5), np.array([-9.0, 0.0, 0.0, 0.0, 9.0]))
+    low_deg, high_deg = dead_zone_deg(bent)
+    assert low_deg is not None
+    assert high_deg is not None
+    jump = StartJump(high_deg + 0.3, 0.1)
+    assert jump_edges_deg([jump], bent) == (low_deg, jump.phase_deg)
+    assert jump_edges_deg([StartJump(low_deg, 0.1), jump], bent) == (low_deg, jump.phase_deg)
+
+
 def test_what_never_stands_does_not_start() -> None:
     phase_deg = np.random.default_rng(1).uniform(*SPAN_DEG, 500)
     assert start_jumps(rows(phase_deg, 5.0 + 0.01 * phase_deg), SPAN_DEG) == ()
