@@ -82,6 +82,7 @@ def _set(found: Diagnosis) -> set[str]:
     ("ppm", "weaker", "name", "other"),
     [
         (40.0, 0.0, "crystal_error", "generator_imbalance"),
+        (-40.0, 0.0, "crystal_error", "generator_imbalance"),
         (0.0, 0.005, "generator_imbalance", "crystal_error"),
     ],
 )

@@ -25,7 +25,7 @@ def _sampled(kind: str, windows_a_lag: float, seed: int) -> tuple[Record, float]
 
 
 @pytest.mark.parametrize("kind", ["staircase", "triangle", "multisine"])
-@pytest.mark.parametrize("windows_a_lag", [0.05, 0.5, 4.0])
+@pytest.mark.parametrize("windows_a_lag", [0.05, 0.15, 0.5, 1.5, 4.0])
 def test_the_free_run_leaves_noise_and_answers_in_time(kind: str, windows_a_lag: float) -> None:
     left = []
     for seed in range(_DRAWS):

@@ -72,7 +72,7 @@ def soft() -> HammersteinModel:
     return with_knowledge(identify_fast(runs, FastOptions()).model, runs)
 
 
-@pytest.mark.parametrize(("drag_rad_s", "weight_rad_s"), [(0.3, 0.0), (0.0, -0.3)])
+@pytest.mark.parametrize(("drag_rad_s", "weight_rad_s"), [(0.3, 0.0), (0.0, 0.4), (0.0, -0.3)])
 def test_a_torque_on_a_motor_that_starts_gradually_is_named(
     soft: HammersteinModel, drag_rad_s: float, weight_rad_s: float
 ) -> None:
