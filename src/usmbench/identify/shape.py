@@ -7,22 +7,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.identify.bends import bends_of_curve, bends_of_rows, joined
-from usmbench.identify.curve_rows import CurveRows, block_rows, curve_rows
+from usmbench.identify.curve_rows import CurveRows, curve_rows
 from usmbench.identify.data import Dataset
 from usmbench.identify.design import build_design, check_rows
+from usmbench.identify.jumping_curve import jumping_choice
 from usmbench.identify.knots import place_knots
 from usmbench.identify.projected import Projected
 from usmbench.identify.robust import bisquare_weights, counted_alike, residual_scales, robust_fit
 from usmbench.identify.selection import (
     DEGREES,
     Choice,
-    better,
     choose_curve,
     fitted_curve,
     judge_knots,
     prior_rows,
 )
-from usmbench.identify.start_jump import jump_edges_deg, jump_widths, rises, start_jumps
 from usmbench.identify.starting_dynamics import (
     first_dynamics,
     fit_from_afar,
@@ -36,8 +35,6 @@ Array = NDArray[np.float64]
 _FIRST_DEGREE = 12
 _FEW, _FEW_ROWS = 4, 500  # the first dynamics rest on every fourth row, in blocks
 _MIDDLE_DEGREE = 18
-_JUMPING_DEGREE = 24
-_STIFF = (3e-2, 1e-2, 3e-3, 1e-3)  # of a curve that jumps, the stiffest first
 _ALWAYS = 13  # ordinates: stiffness holds those of a dead zone and two slopes between few phases
 
 
@@ -211,20 +208,7 @@ def _settled(
         return judge_knots(rows, options.given_deg), rows
     degrees, span_deg = _degrees(data, point, options), data.spans_deg[point]
     smooth = _smooth(rows, degrees, span_deg)
-    if not start_jumps(block_rows(data, point, rough), span_deg):
-        return smooth, rows
-    every = block_rows(data, point, rough, None)
-    jumps = start_jumps(every, span_deg)
-    if not jumps:
-        return smooth, rows
-    edges_deg = jump_edges_deg(jumps, fitted_curve(rows, smooth))
-    widths = jump_widths(jumps, span_deg)
-    high = tuple(d for d in degrees if d >= _JUMPING_DEGREE) or degrees[-1:]
-    jumping = choose_curve(every, high, (edges_deg,), span_deg, widths, _STIFF)
-    worth = better(jumping, judge_knots(every, smooth.knots_deg))
-    if worth and rises(fitted_curve(every, jumping), edges_deg):
-        return jumping, every
-    return smooth, rows
+    return jumping_choice(data, point, rough, (smooth, rows), degrees) or (smooth, rows)
 
 
 def _smooth(rows: CurveRows, degrees: tuple[int, ...], span_deg: tuple[float, float]) -> Choice:

@@ -4,7 +4,6 @@ A curve of knots that are not gathered there, to within a fraction of a degree, 
 over degrees; and tangents put the edge of the dead zone where the speed beyond it would begin.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,9 +11,7 @@ from numpy.typing import NDArray
 
 from usmbench.identify.bends import NODES, polygon_rows, responses
 from usmbench.identify.curve_rows import CurveRows
-from usmbench.identify.knots import dead_zone_deg
 from usmbench.identify.robust import OVER_MEDIAN
-from usmbench.model.hammerstein import StaticCurve
 
 Array = NDArray[np.float64]
 
@@ -23,9 +20,7 @@ _PLACES, _ROUNDS, _REACH = 33, 3, 2  # compared at once; how often; steps beside
 _SURE = 8.0  # standard deviations of a jump's height
 _ANY = 0.25  # of the fall that makes sure: less shows even beside a jump between two places
 _AS_GOOD = 3.0  # standard deviations by which a place is better that is no likelier
-_LEAST = 0.02  # of the highest speed: less is a bend
-_NEAR = 0.03  # of the range: how far beyond a jump a curve has to rise
-_CLOSEST, _WIDER = 2e-4, (1e-3, 2.5e-3, 5e-3)  # of the range: how closely knots gather
+LEAST_JUMP = 0.02  # of the highest speed: less is a bend
 _BESIDE = 0.35  # of the way between two nodes
 _NOTHING, _TINY = 0.02, 1e-300  # of a column's square; what is no divisor
 
@@ -57,7 +52,7 @@ class _Beside:
 
     @property
     def variance(self) -> float:
-        """Mean square of what is left where the polygon follows."""
+        """Variance of what is left, by its median: samples about a jump are few and far off."""
         own = self.left[: sum(np.count_nonzero(fold >= -1) for fold in self.rows.fold)]
         return float(OVER_MEDIAN * np.median(np.abs(own))) ** 2
 
@@ -106,69 +101,11 @@ def start_jumps(rows: CurveRows, span_deg: tuple[float, float]) -> tuple[StartJu
     beside = _Beside(rows, nodes_deg, span, wanted - span @ (span.T @ wanted))
     size = np.abs(speed_rad_s)
     still = size <= _STANDING * size.max()
-    if not np.any(still):
-        return ()
     centre = int(np.argmin(np.where(still, np.abs(nodes_deg), np.inf)))
-    found = [
-        _jump(beside, nodes_deg, size, centre, way) for way in (-1, 1) if 0 < centre < NODES - 1
-    ]
+    if not (still[centre] and 0 < centre < NODES - 1):
+        return ()
+    found = [_jump(beside, nodes_deg, size, centre, way) for way in (-1, 1)]
     return tuple(jump for jump in found if jump is not None)
-
-
-def rises(curve: StaticCurve, edges_deg: Sequence[float]) -> bool:
-    """Return whether a curve does not fall back beyond the edges of its dead zone.
-
-    Close knots between phases that were not driven leave a curve free to.
-
-    Parameters
-    ----------
-    curve
-        The curve.
-    edges_deg
-        The edges, rising; where there is one, the curve stands between it and 0.
-    """
-    low_deg, high_deg = curve.knots_deg[[0, -1]]
-    top_rad_s = float(np.max(np.abs(curve.delta[[0, -1]])))
-    ways = (-1.0, 1.0) if len(edges_deg) == 2 else np.sign(edges_deg)
-    for edge_deg, way in zip(edges_deg, ways, strict=True):
-        reach_deg = way * _NEAR * (high_deg - low_deg)
-        beyond_deg = np.clip(edge_deg + np.linspace(0.0, reach_deg, 201), low_deg, high_deg)
-        size = np.abs(curve.speed_rad_s(beyond_deg))
-        if np.max(np.maximum.accumulate(size) - size) > _LEAST * top_rad_s:
-            return False
-    return True
-
-
-def jump_edges_deg(jumps: Sequence[StartJump], curve: StaticCurve) -> tuple[float, ...]:
-    """Return the edges of the dead zone: the jumps, and where a curve has them on other sides.
-
-    Parameters
-    ----------
-    jumps
-        The jumps.
-    curve
-        A curve that does not jump.
-    """
-    edges_deg = [edge_deg for edge_deg in dead_zone_deg(curve) if edge_deg is not None]
-    for jump in jumps:
-        if edges_deg:
-            edges_deg.remove(min(edges_deg, key=lambda edge: abs(edge - jump.phase_deg)))
-    return tuple(sorted([*edges_deg, *(jump.phase_deg for jump in jumps)]))
-
-
-def jump_widths(jumps: Sequence[StartJump], span_deg: tuple[float, float]) -> tuple[float, ...]:
-    """Return how closely knots may be gathered at jumps, of the range of phases.
-
-    Parameters
-    ----------
-    jumps
-        The jumps.
-    span_deg
-        Ends of the curve.
-    """
-    reach = max(jump.reach_deg for jump in jumps) / (span_deg[1] - span_deg[0])
-    least = max(reach, _CLOSEST)
-    return (least, *(width for width in _WIDER if width > least))
 
 
 def _jump(
@@ -189,7 +126,7 @@ def _jump(
             return None
         reach_deg = _REACH * (high_deg - low_deg) / (_PLACES - 1)
         low_deg, high_deg = tried[0, best] - reach_deg, tried[0, best] + reach_deg
-    if tried[2, best] - tried[1].max() < sure or way * tried[3, best] < _LEAST * size.max():
+    if tried[2, best] - tried[1].max() < sure or way * tried[3, best] < LEAST_JUMP * size.max():
         return None
     as_good_deg = tried[0, tried[2] >= tried[2, best] - _AS_GOOD**2 * beside.variance]
     low_deg, high_deg = float(as_good_deg.min()), float(as_good_deg.max())
