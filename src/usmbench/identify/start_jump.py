@@ -16,7 +16,7 @@ from usmbench.identify.robust import OVER_MEDIAN
 Array = NDArray[np.float64]
 
 _STANDING, _FAR = 0.03, 0.3  # of the highest speed: from where to where a jump is looked for
-_PLACES, _ROUNDS, _REACH = 33, 3, 2  # compared at once; how often; steps beside the best one
+_PLACES, _REACH = 32, 2  # compared at once; steps beside the best one
 _SURE = 8.0  # standard deviations of a jump's height
 _ANY = 0.25  # of the fall that makes sure: less shows even beside a jump between two places
 _AS_GOOD = 3.0  # standard deviations by which a place is better that is no likelier
@@ -35,10 +35,13 @@ class StartJump:
         The phase.
     reach_deg
         How far from it the jump may as well be.
+    height_rad_s
+        About how high it is.
     """
 
     phase_deg: float
     reach_deg: float
+    height_rad_s: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,30 +59,33 @@ class _Beside:
         own = self.left[: sum(np.count_nonzero(fold >= -1) for fold in self.rows.fold)]
         return float(OVER_MEDIAN * np.median(np.abs(own))) ** 2
 
+    def with_jump(self, place_deg: float, way: int) -> "_Beside":
+        """Return what is left beside a polygon that bends and jumps at a place as well."""
+        more, _ = np.linalg.qr(self._columns(np.array([place_deg]), way))
+        left = self.left - more @ (more.T @ self.left)
+        return _Beside(self.rows, self.nodes_deg, np.hstack([self.span, more]), left)
+
     def tried(self, places_deg: Array, way: int) -> Array:
         """Return places, falls of the squares by a bend, by bend and jump, and a jump's height."""
-        columns = responses(self.rows, lambda phase_deg: self._off(phase_deg, places_deg, way))
-        columns = np.vstack([columns, np.zeros((self.left.size - len(columns), columns.shape[1]))])
-        bend, jump = np.hsplit(columns - self.span @ (self.span.T @ columns), 2)
+        bend, jump = np.hsplit(self._columns(places_deg, way), 2)
         of_bend, _ = _fall(bend, self.left)
-        _, height = _fall(jump, self.left)
+        of_jump, alone = _fall(jump, self.left)
         least = _NOTHING * np.sum(jump**2, axis=0)
         jump -= bend * (np.sum(bend * jump, axis=0) / np.maximum(np.sum(bend**2, axis=0), _TINY))
-        jump[:, np.sum(jump**2, axis=0) <= least] = 0.0
-        both = of_bend + _fall(jump, self.left)[0]
+        more, height = _fall(jump, self.left)
+        alike = np.sum(jump**2, axis=0) <= least
+        both = np.where(alike, np.maximum(of_bend, of_jump), of_bend + more)
+        height = np.where(alike, alone, height)
         # Beside a node the polygon bends by itself; two bends so close would be a jump.
         apart_deg = np.min(np.abs(places_deg - self.nodes_deg[:, None]), axis=0)
         of_bend[apart_deg < _BESIDE * (self.nodes_deg[1] - self.nodes_deg[0])] = 0.0
         return np.stack([places_deg, of_bend, both, height])
 
-    def _off(self, phase_deg: Array, places_deg: Array, way: int) -> Array:
-        """Slopes and steps from places on, less what the polygon makes of them."""
-        at_nodes = _shapes(self.nodes_deg, places_deg, way)
-        left = np.clip(np.searchsorted(self.nodes_deg, phase_deg) - 1, 0, NODES - 2)
-        width_deg = self.nodes_deg[left + 1] - self.nodes_deg[left]
-        share = ((phase_deg - self.nodes_deg[left]) / width_deg)[:, None]
-        chord = (1.0 - share) * at_nodes[left] + share * at_nodes[left + 1]
-        return _shapes(phase_deg, places_deg, way) - chord
+    def _columns(self, places_deg: Array, way: int) -> Array:
+        """Return what slopes and steps from places on do that nothing in the span does."""
+        columns = responses(self.rows, lambda phase_deg: _shapes(phase_deg, places_deg, way))
+        columns = np.vstack([columns, np.zeros((self.left.size - len(columns), columns.shape[1]))])
+        return np.asarray(columns - self.span @ (self.span.T @ columns))
 
 
 def start_jumps(rows: CurveRows, span_deg: tuple[float, float]) -> tuple[StartJump, ...]:
@@ -104,8 +110,16 @@ def start_jumps(rows: CurveRows, span_deg: tuple[float, float]) -> tuple[StartJu
     centre = int(np.argmin(np.where(still, np.abs(nodes_deg), np.inf)))
     if not (still[centre] and 0 < centre < NODES - 1):
         return ()
-    found = [_jump(beside, nodes_deg, size, centre, way) for way in (-1, 1)]
-    return tuple(jump for jump in found if jump is not None)
+    found: dict[int, StartJump] = {}
+    while jumps := {
+        way: jump
+        for way in {-1, 1}.difference(found)
+        if (jump := _jump(beside, nodes_deg, size, centre, way)) is not None
+    }:
+        # The larger one first: it reaches over to the other side by what a polygon makes of it.
+        way = max(jumps, key=lambda way: jumps[way].height_rad_s)
+        found[way], beside = jumps[way], beside.with_jump(jumps[way].phase_deg, way)
+    return tuple(found[way] for way in sorted(found))
 
 
 def _jump(
@@ -116,21 +130,42 @@ def _jump(
     fast = size[outward] > _FAR * size.max()
     if not np.any(fast):
         return None
-    low_deg, high_deg = sorted([nodes_deg[centre], nodes_deg[outward][np.argmax(fast)]])
+    ends_deg = np.sort([nodes_deg[centre], nodes_deg[outward][np.argmax(fast)]])
+    driven_deg = np.unique(np.concatenate(beside.rows.phase_deg))
+    driven_deg = driven_deg[slice(*np.searchsorted(driven_deg, ends_deg))]
     sure = _SURE**2 * beside.variance
-    tried = np.empty((4, 0))  # as `_Beside.tried` returns them
-    for _ in range(_ROUNDS):
-        tried = np.hstack([tried, beside.tried(np.linspace(low_deg, high_deg, _PLACES), way)])
-        best = int(np.argmax(tried[2]))
-        if tried[2, best] < _ANY * sure:
-            return None
-        reach_deg = _REACH * (high_deg - low_deg) / (_PLACES - 1)
-        low_deg, high_deg = tried[0, best] - reach_deg, tried[0, best] + reach_deg
-    if tried[2, best] - tried[1].max() < sure or way * tried[3, best] < LEAST_JUMP * size.max():
+    tried = _tried_between(beside, driven_deg, way, _ANY * sure)
+    if tried is None:
+        return None
+    best = int(np.argmax(tried[2]))
+    height_rad_s = float(way * tried[3, best])
+    if tried[2, best] - tried[1].max() < sure or height_rad_s < LEAST_JUMP * size.max():
         return None
     as_good_deg = tried[0, tried[2] >= tried[2, best] - _AS_GOOD**2 * beside.variance]
-    low_deg, high_deg = float(as_good_deg.min()), float(as_good_deg.max())
-    return StartJump(0.5 * (low_deg + high_deg), 0.5 * (high_deg - low_deg))
+    first, last = np.searchsorted(driven_deg, [as_good_deg.min(), as_good_deg.max()])
+    low_deg, high_deg = float(driven_deg[first - 1]), float(driven_deg[last])
+    return StartJump(0.5 * (low_deg + high_deg), 0.5 * (high_deg - low_deg), height_rad_s)
+
+
+def _tried_between(beside: _Beside, driven_deg: Array, way: int, least: float) -> Array | None:
+    """Try places between driven phases: there is nothing to tell those between the same two.
+
+    Returns what `_Beside.tried` does, down to single phases about the best place; or None where
+    none is better by more than the least fall.
+    """
+    between_deg = 0.5 * (driven_deg[1:] + driven_deg[:-1])
+    tried = np.empty((4, 0))
+    first, last, step = 0, between_deg.size - 1, 2
+    while first <= last and step > 1:
+        step = max(-(-(last - first) // _PLACES), 1)
+        asked = np.arange(first, last + 1, step)
+        tried = np.hstack([tried, beside.tried(between_deg[asked], way)])
+        best = int(np.argmax(tried[2]))
+        if tried[2, best] < least:
+            return None
+        at = int(np.searchsorted(between_deg, tried[0, best]))
+        first, last = max(at - _REACH * step, 0), min(at + _REACH * step, between_deg.size - 1)
+    return tried if tried.size else None
 
 
 def _shapes(phase_deg: Array, places_deg: Array, way: int) -> Array:

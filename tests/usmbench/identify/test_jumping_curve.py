@@ -17,7 +17,7 @@ SPAN_DEG, WINDOW_S = (-90.0, 90.0), 0.01
 
 
 def test_the_side_that_bends_keeps_its_edge() -> None:
-    jump = StartJump(7.0, 0.1)
+    jump = StartJump(7.0, 0.1, 1.0)
     bent = StaticCurve(np.linspace(*SPAN_DEG, 5), np.array([-9.0, 0.0, 0.0, 0.0, 9.0]))
     assert jump_edges_deg([jump], bent) == (dead_zone_deg(bent)[0], jump.phase_deg)
 
@@ -27,9 +27,9 @@ def test_a_dead_zone_that_lies_on_one_side_of_0_keeps_its_other_edge() -> None:
     low_deg, high_deg = dead_zone_deg(bent)
     assert low_deg is not None
     assert high_deg is not None
-    jump = StartJump(high_deg + 0.3, 0.1)
+    jump = StartJump(high_deg + 0.3, 0.1, 1.0)
     assert jump_edges_deg([jump], bent) == (low_deg, jump.phase_deg)
-    assert jump_edges_deg([StartJump(low_deg, 0.1), jump], bent) == (low_deg, jump.phase_deg)
+    assert jump_edges_deg([StartJump(low_deg, 0.1, 1.0), jump], bent) == (low_deg, jump.phase_deg)
 
 
 def test_a_curve_that_falls_back_is_free_between_phases() -> None:
@@ -41,8 +41,8 @@ def test_a_curve_that_falls_back_is_free_between_phases() -> None:
 
 
 def test_knots_gather_as_closely_as_the_place_is_known() -> None:
-    assert jump_widths([StartJump(6.0, 0.0)], SPAN_DEG)[0] * 180.0 < 0.1
-    close, *wider = jump_widths([StartJump(-6.0, 0.27), StartJump(6.0, 0.1)], SPAN_DEG)
+    assert jump_widths([StartJump(6.0, 0.0, 1.0)], SPAN_DEG)[0] * 180.0 < 0.1
+    close, *wider = jump_widths([StartJump(-6.0, 0.27, 1.0), StartJump(6.0, 0.1, 1.0)], SPAN_DEG)
     assert close * 180.0 == pytest.approx(0.27)
     assert all(width > close for width in wider)
 
