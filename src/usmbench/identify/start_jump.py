@@ -17,9 +17,11 @@ Array = NDArray[np.float64]
 
 _STANDING, _FAR = 0.03, 0.3  # of the highest speed: from where to where a jump is looked for
 _PLACES, _REACH = 32, 2  # compared at once; steps beside the best one
-_SURE = 8.0  # standard deviations of a jump's height
+_SURE = 5.0  # standard deviations of a jump's height
+_AS_WELL = 3.0  # of the other one's: friction that holds one way holds the other
 _ANY = 0.25  # of the fall that makes sure: less shows even beside a jump between two places
 _AS_GOOD = 3.0  # standard deviations by which a place is better that is no likelier
+_PLACED = 0.01  # of the range: a jump that may as well be further away is a bend
 LEAST_JUMP = 0.02  # of the highest speed: less is a bend
 _BESIDE = 0.35  # of the way between two nodes
 _NOTHING, _TINY = 0.02, 1e-300  # of a column's square; what is no divisor
@@ -114,7 +116,7 @@ def start_jumps(rows: CurveRows, span_deg: tuple[float, float]) -> tuple[StartJu
     while jumps := {
         way: jump
         for way in {-1, 1}.difference(found)
-        if (jump := _jump(beside, nodes_deg, size, centre, way)) is not None
+        if (jump := _jump(beside, size, centre, way, _AS_WELL if found else _SURE)) is not None
     }:
         # The larger one first: it reaches over to the other side by what a polygon makes of it.
         way = max(jumps, key=lambda way: jumps[way].height_rad_s)
@@ -122,28 +124,29 @@ def start_jumps(rows: CurveRows, span_deg: tuple[float, float]) -> tuple[StartJu
     return tuple(found[way] for way in sorted(found))
 
 
-def _jump(
-    beside: _Beside, nodes_deg: Array, size: Array, centre: int, way: int
-) -> StartJump | None:
-    """Return the jump on one side of a node that stands, where there is one."""
+def _jump(beside: _Beside, size: Array, centre: int, way: int, sure: float) -> StartJump | None:
+    """Return the jump on one side of a node that stands, where there surely is one."""
     outward = slice(centre, None) if way > 0 else slice(centre, None, -1)
     fast = size[outward] > _FAR * size.max()
     if not np.any(fast):
         return None
+    nodes_deg = beside.nodes_deg
     ends_deg = np.sort([nodes_deg[centre], nodes_deg[outward][np.argmax(fast)]])
     driven_deg = np.unique(np.concatenate(beside.rows.phase_deg))
     driven_deg = driven_deg[slice(*np.searchsorted(driven_deg, ends_deg))]
-    sure = _SURE**2 * beside.variance
-    tried = _tried_between(beside, driven_deg, way, _ANY * sure)
+    least = sure**2 * beside.variance
+    tried = _tried_between(beside, driven_deg, way, _ANY * least)
     if tried is None:
         return None
     best = int(np.argmax(tried[2]))
     height_rad_s = float(way * tried[3, best])
-    if tried[2, best] - tried[1].max() < sure or height_rad_s < LEAST_JUMP * size.max():
+    if tried[2, best] - tried[1].max() < least or height_rad_s < LEAST_JUMP * size.max():
         return None
     as_good_deg = tried[0, tried[2] >= tried[2, best] - _AS_GOOD**2 * beside.variance]
     first, last = np.searchsorted(driven_deg, [as_good_deg.min(), as_good_deg.max()])
     low_deg, high_deg = float(driven_deg[first - 1]), float(driven_deg[last])
+    if high_deg - low_deg > 2.0 * _PLACED * (nodes_deg[-1] - nodes_deg[0]):
+        return None
     return StartJump(0.5 * (low_deg + high_deg), 0.5 * (high_deg - low_deg), height_rad_s)
 
 
