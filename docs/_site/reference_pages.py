@@ -2,7 +2,9 @@
 
 import contextlib
 import importlib
+import inspect
 import io
+import itertools
 import os
 import pkgutil
 from collections.abc import Callable, Iterator, Sequence
@@ -12,6 +14,7 @@ import hil_sim
 import hil_sim.__main__
 import usmbench
 from usmbench.cli.main import COMMANDS, build_parser
+from usmbench.model.effects.registry import library
 
 # Its users see the command line, which has a page of its own.
 WITHOUT_PAGE = {"usmbench.cli"}
@@ -20,6 +23,7 @@ WITHOUT_PAGE = {"usmbench.cli"}
 def reference_pages() -> Iterator[tuple[str, str]]:
     """Give each page's path on the site and its text."""
     yield "reference/command-line.md", _command_line_page()
+    yield "reference/causes.md", _causes_page()
     for root in usmbench, hil_sim:
         for package in _packages(root):
             if package.__name__ not in WITHOUT_PAGE:
@@ -56,6 +60,27 @@ def _command_line_page() -> str:
         parser = build_parser(name)
         lines += _section(f"usmbench {name}", parser.parse_args, [name, "--help"])
     lines += _section("python -m hil_sim", hil_sim.__main__.main, ["--help"])
+    return "\n".join(lines) + "\n"
+
+
+def _causes_page() -> str:
+    """Return what the library knows of every cause: its forms and what their parameters are."""
+    lines = [
+        "# Causes",
+        "",
+        "What `usmbench diagnose` may name, in which forms, how each changes the phase φ, the",
+        "settled speed v or the speed ω, and what the numbers are that it is sized by.",
+    ]
+    for name, found in itertools.groupby(library(), key=lambda effect: effect.name):
+        forms = list(found)
+        lines += ["", f"## {name.replace('_', ' ')}", "", f"`{name}`"]
+        for effect in forms:
+            lines += ["", f"### {effect.form or 'plain'}"] if len(forms) > 1 else []
+            said = inspect.cleandoc(type(effect).__doc__ or "").split("\n\n")[0]
+            lines += ["", effect.meaning, "", said, ""]
+            if effect.parameters:
+                lines += ["| parameter | unit | what |", "|---|---|---|"]
+                lines += [f"| `{p.name}` | {p.unit} | {p.what} |" for p in effect.parameters]
     return "\n".join(lines) + "\n"
 
 

@@ -30,7 +30,7 @@ SECTIONS: Final = {
     "Decisions": "decisions/",
 }
 # Pages that come before those of their section in alphabetical order.
-FIRST: Final = ("reference/command-line.md", "reference/file-formats.md")
+FIRST: Final = ("reference/command-line.md", "reference/file-formats.md", "reference/causes.md")
 
 _LINK: Final = re.compile(r"(\]\()([^)#:\s]+)([)#])")
 _SCHEMA: Final = re.compile(r"<!-- schema: (\w+) -->")

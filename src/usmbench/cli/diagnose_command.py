@@ -204,6 +204,7 @@ def _lines(found: Diagnosis) -> str:
         lines.append(f"cause      {cause.name}{': ' + said if said else ''}")
         lines.append(f"           {cause.meaning}")
         lines.append(f"           {cause.mend}")
+        lines += [f"           {p.name}: {p.what}" for p in cause.parameters if p.what]
         if cause.alternatives:
             lines.append(f"           cannot be told from {', '.join(cause.alternatives)}")
     lines.append(

@@ -19,6 +19,8 @@ class Estimate:
         Estimate and interval.
     unit
         Unit.
+    what
+        What it says of the motor or the bench; see `Parameter`.
     """
 
     name: str
@@ -26,6 +28,7 @@ class Estimate:
     low: float
     high: float
     unit: str
+    what: str = ""
 
     def to_json(self) -> dict[str, Any]:
         """Return the mapping that the contract asks for."""

@@ -223,7 +223,7 @@ def _estimates(applied: Applied, ranges: dict[str, tuple[float, float]]) -> tupl
     for p in applied.effect.parameters:
         value = applied.values[p.name]
         low, high = ranges.get(p.name, (p.low, p.high))
-        found.append(Estimate(p.name, value, min(low, value), max(high, value), p.unit))
+        found.append(Estimate(p.name, value, min(low, value), max(high, value), p.unit, p.what))
     return tuple(found)
 
 

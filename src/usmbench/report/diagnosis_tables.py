@@ -117,8 +117,8 @@ def _card(cause: NamedCause) -> str:
         (
             "",
             (
-                escaped(quantity(p.name, p.unit)),
-                f"{escaped(with_interval(p))}",
+                f'{escaped(quantity(p.name, p.unit))} <span class="how">{escaped(p.what)}</span>',
+                escaped(with_interval(p)),
                 f"<code>{escaped(p.name)}: {p.value:.6g}</code>",
             ),
         )

@@ -107,6 +107,8 @@ def test_all_files_are_written_and_sweep_takes_the_plan(
     assert said.startswith("verdict    explained")
     causes = {found["causes"][0]["name"], *found["causes"][0]["alternatives"]}
     assert {"transport_delay", "dead_zone_hysteresis"} <= causes
+    for parameter in found["causes"][0]["parameters"]:
+        assert f"\n           {parameter}: " in said
     proposal = found["next_experiment"]
     assert f"next       {proposal['says']}" in said
     assert yaml.safe_load(Path("next.yaml").read_text()) == proposal["plan"]

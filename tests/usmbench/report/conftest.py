@@ -38,7 +38,7 @@ def record() -> Record:
 def make_diagnosis(model: HammersteinModel) -> Make:
     def make(**changes: Any) -> Diagnosis:
         k, t_s = np.arange(8.0), 0.01 * np.arange(1.0, 401.0)
-        delay = Estimate("delay_s", 0.0053, 0.0046, 0.0061, "s")
+        delay = Estimate("delay_s", 0.0053, 0.0046, 0.0061, "s", "how much later a command acts")
         cause = NamedCause(
             "transport_delay",
             "",

@@ -138,7 +138,7 @@ def test_each_verdict_has_its_words(
 
 def hostile(diagnosis: Diagnosis) -> Diagnosis:
     cause = diagnosis.causes[0]
-    estimate = replace(cause.parameters[0], name=HOSTILE, unit=HOSTILE)
+    estimate = replace(cause.parameters[0], name=HOSTILE, unit=HOSTILE, what=HOSTILE)
     spoilt: dict[str, Any] = dict.fromkeys(("name", "form", "meaning", "mend"), HOSTILE)
     candidate = replace(diagnosis.candidates[0], name=HOSTILE, form=HOSTILE)
     return replace(

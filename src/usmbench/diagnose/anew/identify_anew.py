@@ -127,7 +127,7 @@ class Anew:
             )
             half = share * float(np.linalg.norm(others - others.mean()))
             low, high = max(value - half, p.low), min(value + half, p.high)
-            yield Estimate(p.name, value, low, high, p.unit)
+            yield Estimate(p.name, value, low, high, p.unit, p.what)
 
     def _trace(self, trace: Trace) -> Trace:
         """Show the model as given beside the new one."""

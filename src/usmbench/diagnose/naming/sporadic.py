@@ -228,5 +228,5 @@ def _estimates(effect: SporadicEffect, found: Weighed) -> tuple[Estimate, ...]:
     estimates = []
     for p in effect.parameters:
         low, value, high = found.values[p.name]
-        estimates.append(Estimate(p.name, value, low, high, p.unit))
+        estimates.append(Estimate(p.name, value, low, high, p.unit, p.what))
     return tuple(estimates)

@@ -17,9 +17,34 @@ from usmbench.model.effects.weaker_drive import travelling, weaker
 
 _MEANING = "The drive voltages give way while the motor delivers power: fast is slower than it was."
 _MEND = "Watch both amplitudes at full speed and at 0°; look at the supply, its cable and fuse."
-_DROOP = Parameter("droop_at_top", "1", 0.0, 0.0, 0.9, 0.01)
-_HELD = Parameter("held_back_rad_s", "rad/s", 0.0, 0.0, 30.0, 0.05)
-_STORE = Parameter("store_s", "s", 0.1, 0.005, 5.0, 0.05, scanned=True)
+_DROOP = Parameter(
+    "droop_at_top",
+    "1",
+    0.0,
+    0.0,
+    0.9,
+    0.01,
+    what="share of the speed that is lost at the power of the highest speed",
+)
+_HELD = Parameter(
+    "held_back_rad_s",
+    "rad/s",
+    0.0,
+    0.0,
+    30.0,
+    0.05,
+    what="speed that friction takes as well at that power, most near standstill",
+)
+_STORE = Parameter(
+    "store_s",
+    "s",
+    0.1,
+    0.005,
+    5.0,
+    0.05,
+    scanned=True,
+    what="time constant with which the supply follows its load",
+)
 
 
 class Droop(WithoutResonance):

@@ -55,6 +55,9 @@ class Parameter:
     scanned
         Whether it shapes the effect: it means nothing where the effect has no size, so it is
         searched over a grid; see `Effect.grid`.
+    what
+        What it says of the motor or the bench, in a few words: which way is positive, of what a
+        share is one.
     """
 
     name: str
@@ -64,6 +67,7 @@ class Parameter:
     high: float
     typical: float
     scanned: bool = False
+    what: str = ""
 
     @property
     def one_way(self) -> bool:

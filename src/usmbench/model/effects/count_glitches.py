@@ -21,8 +21,18 @@ class CountGlitches(SporadicEffect):
     meaning = "Isolated windows hold false counts: spikes that have nothing to do with the motion."
     mend = "Look at the encoder's cable, shield and ground; raise the counter's digital filter."
     parameters = (
-        Parameter("rate_hz", "1/s", 0.0, 0.0, 100.0, 0.1),
-        Parameter("size_rad_s", "rad/s", 0.0, 0.0, 1e4, 1.0),
+        Parameter(
+            "rate_hz", "1/s", 0.0, 0.0, 100.0, 0.1, what="windows with a false count, per second"
+        ),
+        Parameter(
+            "size_rad_s",
+            "rad/s",
+            0.0,
+            0.0,
+            1e4,
+            1.0,
+            what="by how much the speed of such a window is off, median, either way",
+        ),
     )
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:

@@ -15,7 +15,18 @@ class CouplingBacklash(Effect):
     meaning = "The coupling has play: after each reversal the disc waits for the rotor."
     mend = "Hold the disc and turn the rotor to and fro by hand; tighten the coupling's screws."
     stage = "motion"
-    parameters = (Parameter("gap_rad", "rad", 0.0, 0.0, 1.0, 0.01, scanned=True),)
+    parameters = (
+        Parameter(
+            "gap_rad",
+            "rad",
+            0.0,
+            0.0,
+            1.0,
+            0.01,
+            scanned=True,
+            what="whole angle between the two flanks",
+        ),
+    )
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the disc's speed.

@@ -15,7 +15,17 @@ class CrystalError(AlongResonance):
     form = "along the resonance"
     meaning = _MEANING
     mend = _MEND
-    parameters = (Parameter("frequency_error_ppm", "ppm", 0.0, -5000.0, 5000.0, 5.0),)
+    parameters = (
+        Parameter(
+            "frequency_error_ppm",
+            "ppm",
+            0.0,
+            -5000.0,
+            5000.0,
+            5.0,
+            what="true drive frequency less the commanded one; positive is above it",
+        ),
+    )
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the settled speed.

@@ -82,7 +82,17 @@ class DirectedEdges(Effect):
     meaning = _MEANING
     mend = _MEND
     stage = "settled"
-    parameters = (Parameter("width_deg", "deg", 0.0, -5.0, 60.0, 0.5),)
+    parameters = (
+        Parameter(
+            "width_deg",
+            "deg",
+            0.0,
+            -5.0,
+            60.0,
+            0.5,
+            what="width of the loop: half of it farther out outward bound, half nearer in inward",
+        ),
+    )
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the settled speed: the dead zone is wider outward bound and narrower inward.
@@ -109,7 +119,18 @@ class Play(Effect):
     meaning = _MEANING
     mend = _MEND
     stage = "settled"
-    parameters = (Parameter("width_deg", "deg", 0.0, 0.0, 60.0, 1.0, scanned=True),)
+    parameters = (
+        Parameter(
+            "width_deg",
+            "deg",
+            0.0,
+            0.0,
+            60.0,
+            1.0,
+            scanned=True,
+            what="how far φ has to turn back before the motor follows",
+        ),
+    )
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the settled speed at the phases that have crossed the gap.

@@ -22,8 +22,16 @@ class EncoderEccentricity(Effect):
     stage = "counter"
     early = True  # a counter counts what passes it
     parameters = (
-        Parameter("cosine", "1", 0.0, -0.5, 0.5, 0.005),
-        Parameter("sine", "1", 0.0, -0.5, 0.5, 0.005),
+        Parameter(
+            "cosine",
+            "1",
+            0.0,
+            -0.5,
+            0.5,
+            0.005,
+            what="ripple over speed that goes as cos α, α the angle that the run reports",
+        ),
+        Parameter("sine", "1", 0.0, -0.5, 0.5, 0.005, what="the same with sin α"),
     )
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:

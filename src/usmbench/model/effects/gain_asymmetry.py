@@ -18,7 +18,17 @@ class GainAsymmetry(Effect):
     meaning = _MEANING
     mend = _MEND
     stage = "settled"
-    parameters = (Parameter("asymmetry", "1", 0.0, -1.5, 1.5, 0.01),)
+    parameters = (
+        Parameter(
+            "asymmetry",
+            "1",
+            0.0,
+            -1.5,
+            1.5,
+            0.01,
+            what="forwards less backwards, over the simulated speed; each takes half",
+        ),
+    )
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the settled speed.
@@ -39,7 +49,17 @@ class OneWay(Effect):
     mend = _MEND
     stage = "settled"
     # At most twice as fast: threefold, less of everything turns it into a sign that is lost.
-    parameters = (Parameter("gain", "1", 0.0, -1.0, 1.0, 0.01),)
+    parameters = (
+        Parameter(
+            "gain",
+            "1",
+            0.0,
+            -1.0,
+            1.0,
+            0.01,
+            what="share by which it is faster in the direction of the form; negative is slower",
+        ),
+    )
     sign: ClassVar[float]
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:

@@ -6,7 +6,9 @@ from usmbench.model.effects.weaker_drive import WeakerDrive
 
 _MEANING = "One of the two drive voltages is weaker than the other."
 _MEND = "Compare the two amplitudes on an oscilloscope; look at the amplifiers and the filters."
-_LOST = Parameter("speed_lost", "1", 0.0, 0.0, 0.9, 0.01)
+_LOST = Parameter(
+    "speed_lost", "1", 0.0, 0.0, 0.9, 0.01, what="share of the highest speed that is lost"
+)
 
 
 class GeneratorImbalance(AlongResonance):
@@ -39,7 +41,18 @@ class UnknownSlope(WeakerDrive):
     name = "generator_imbalance"
     meaning = _MEANING
     mend = _MEND
-    parameters = (_LOST, Parameter("held_back_rad_s", "rad/s", 0.0, 0.0, 30.0, 0.05))
+    parameters = (
+        _LOST,
+        Parameter(
+            "held_back_rad_s",
+            "rad/s",
+            0.0,
+            0.0,
+            30.0,
+            0.05,
+            what="speed that friction takes as well, most near standstill",
+        ),
+    )
 
 
 FORMS = (GeneratorImbalance(), UnknownSlope())

@@ -17,7 +17,18 @@ class LaterStart(Effect):
     """A rotor that needs h degrees more than the curve says; scanned, since it starts or not."""
 
     stage = "settled"
-    parameters = (Parameter("start_later_deg", "deg", 0.0, 0.0, 60.0, 1.0, scanned=True),)
+    parameters = (
+        Parameter(
+            "start_later_deg",
+            "deg",
+            0.0,
+            0.0,
+            60.0,
+            1.0,
+            scanned=True,
+            what="how much farther than the curve says φ has to go before the rotor starts",
+        ),
+    )
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
         """Return a width for every set of starts that it may put off; a few where these are many.

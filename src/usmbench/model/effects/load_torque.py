@@ -22,7 +22,16 @@ def _braked(signal: Array, loss_rad_s: Array) -> Array:
     return np.where((signal == 0.0) | reversed_way, 0.0, slower)
 
 
-_ROUNDED = Parameter("rounded_rad_s", "rad/s", 0.3, 1e-3, 5.0, 0.3, scanned=True)
+_ROUNDED = Parameter(
+    "rounded_rad_s",
+    "rad/s",
+    0.3,
+    1e-3,
+    5.0,
+    0.3,
+    scanned=True,
+    what="speed over which the curve bends where it leaves the dead zone",
+)
 _SHARES = (0.01, 0.03, 0.06, 0.12, 0.25)  # of the highest speed
 _STANDS = 1e-9
 
@@ -47,7 +56,17 @@ class Weight(Effect):
     meaning = _MEANING
     mend = _MEND
     stage = "settled"
-    parameters = (Parameter("one_sided_rad_s", "rad/s", 0.0, -30.0, 30.0, 0.02),)
+    parameters = (
+        Parameter(
+            "one_sided_rad_s",
+            "rad/s",
+            0.0,
+            -30.0,
+            30.0,
+            0.02,
+            what="speed that a running rotor loses forwards and gains backwards",
+        ),
+    )
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the settled speed.
@@ -68,7 +87,17 @@ class Drag(Effect):
     meaning = _MEANING
     mend = _MEND
     stage = "settled"
-    parameters = (Parameter("drag_rad_s", "rad/s", 0.0, -3.0, 30.0, 0.02),)
+    parameters = (
+        Parameter(
+            "drag_rad_s",
+            "rad/s",
+            0.0,
+            -3.0,
+            30.0,
+            0.02,
+            what="speed that a running rotor loses, either way",
+        ),
+    )
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the settled speed.

@@ -10,7 +10,16 @@ from usmbench.model.effects.lone_windows import LoneWindows, SporadicEffect, Wei
 
 _MEANING = "The counter loses counts above some speed."
 _MEND = "Check the counter's filter and input rate, the encoder's supply, and its cable."
-_THRESHOLD = Parameter("above_rad_s", "rad/s", 1.0, 0.0, 1e3, 0.5, scanned=True)
+_THRESHOLD = Parameter(
+    "above_rad_s",
+    "rad/s",
+    1.0,
+    0.0,
+    1e3,
+    0.5,
+    scanned=True,
+    what="speed above which counts are lost",
+)
 _SEED = 19_360_404
 _STRAY = 0.02  # of the windows that stand alone: too fast, or below the speed
 
@@ -24,7 +33,18 @@ class LostExcess(Effect):
     mend = _MEND
     stage = "counter"
     by_chance = True
-    parameters = (Parameter("lost_of_excess", "1", 0.0, 0.0, 30.0, 0.05), _THRESHOLD)
+    parameters = (
+        Parameter(
+            "lost_of_excess",
+            "1",
+            0.0,
+            0.0,
+            30.0,
+            0.05,
+            what="share of what the speed is above that speed",
+        ),
+        _THRESHOLD,
+    )
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the speed that is reported.
@@ -54,7 +74,12 @@ class LostShare(LostExcess):
     """ω′ = (1 − s) ω above ω₀: every so many counts is missed once edges come too fast."""
 
     form = "of all"
-    parameters = (Parameter("share_lost", "1", 0.0, 0.0, 1.0, 0.05), _THRESHOLD)
+    parameters = (
+        Parameter(
+            "share_lost", "1", 0.0, 0.0, 1.0, 0.05, what="share of all counts, above that speed"
+        ),
+        _THRESHOLD,
+    )
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the speed that is reported.
@@ -76,9 +101,21 @@ class LostNowAndThen(SporadicEffect):
     meaning = _MEANING
     mend = _MEND
     parameters = (
-        Parameter("rate_hz", "1/s", 0.0, 0.0, 100.0, 0.1),
-        Parameter("lost_rad_s", "rad/s", 0.0, 0.0, 1e4, 1.0),
-        Parameter("above_rad_s", "rad/s", 0.0, 0.0, 1e3, 0.1),
+        Parameter(
+            "rate_hz",
+            "1/s",
+            0.0,
+            0.0,
+            100.0,
+            0.1,
+            what="windows that lose counts, per second above that speed",
+        ),
+        Parameter(
+            "lost_rad_s", "rad/s", 0.0, 0.0, 1e4, 1.0, what="speed that such a window lacks, median"
+        ),
+        Parameter(
+            "above_rad_s", "rad/s", 0.0, 0.0, 1e3, 0.1, what="speed above which counts are lost"
+        ),
     )
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:

@@ -11,7 +11,11 @@ class PhaseOffset(Effect):
     meaning = "The two drive phases are a constant angle away from where they are commanded."
     mend = "Measure the phase between the amplifier outputs at 0° with an oscilloscope."
     stage = "command"
-    parameters = (Parameter("offset_deg", "deg", 0.0, -60.0, 60.0, 0.2),)
+    parameters = (
+        Parameter(
+            "offset_deg", "deg", 0.0, -60.0, 60.0, 0.2, what="true phase less the commanded one"
+        ),
+    )
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the phase that reaches the motor.

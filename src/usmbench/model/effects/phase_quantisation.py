@@ -51,7 +51,11 @@ class RoundedPhase(Effect):
     form_off = DEFINITION
     jagged = True
     early = True  # in the register: what shifts the drive voltages does so behind it
-    parameters = (Parameter("step_deg", "deg", 0.0, 0.0, _COARSEST_DEG, 1.0, scanned=True),)
+    parameters = (
+        Parameter(
+            "step_deg", "deg", 0.0, 0.0, _COARSEST_DEG, 1.0, scanned=True, what="step of the grid"
+        ),
+    )
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the phase on the grid.

@@ -19,8 +19,12 @@ _REST = 0.01  # of the highest speed
 _SHORTEST = 2.0  # windows a period: what swings faster looks like any ripple
 _MEND = "Tighten or stiffen the coupling between motor and disc; look for a cracked helix."
 _SHAPE = (
-    Parameter("period_s", "s", 0.0, 0.0, 0.5, 0.003, scanned=True),
-    Parameter("damping", "1", 0.1, 0.01, 0.8, 0.05, scanned=True),
+    Parameter(
+        "period_s", "s", 0.0, 0.0, 0.5, 0.003, scanned=True, what="period of the ringing, undamped"
+    ),
+    Parameter(
+        "damping", "1", 0.1, 0.01, 0.8, 0.05, scanned=True, what="damping ratio ζ of the ringing"
+    ),
 )
 
 
@@ -112,7 +116,18 @@ class SwingingLoad(ShaftCompliance):
 
     form = "swinging load"
     meaning = "A load behind a soft coupling swings against the motor after every step."
-    parameters = (Parameter("load_share", "1", 0.0, 0.0, 1.0, 0.03), *_SHAPE)
+    parameters = (
+        Parameter(
+            "load_share",
+            "1",
+            0.0,
+            0.0,
+            1.0,
+            0.03,
+            what="moment of inertia of the load over that of the motor",
+        ),
+        *_SHAPE,
+    )
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the rotor's speed.

@@ -23,7 +23,18 @@ class SlowDynamics(DynamicsEffect):
     name = "slow_dynamics"
     meaning = "The motor follows with a longer time constant."
     mend = "Look for added inertia on the shaft, low preload, or a filter in the drive."
-    parameters = (Parameter("added_s", "s", 0.0, 0.0, 10.0, 0.002, scanned=True),)
+    parameters = (
+        Parameter(
+            "added_s",
+            "s",
+            0.0,
+            0.0,
+            10.0,
+            0.002,
+            scanned=True,
+            what="what the time constant is longer than simulated",
+        ),
+    )
 
     def linear_part(self, linear: LinearPart, context: Context, values: Values) -> LinearPart:
         """Return the slower linear part.

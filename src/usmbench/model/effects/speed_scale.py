@@ -30,7 +30,17 @@ class SpeedScale(Effect):
     )
     stage: ClassVar[Stage] = "counter"
     form_off: ClassVar[float] = DEFINITION
-    parameters = (Parameter("scale_error", "1", 0.0, -0.9, 100.0, 0.01),)
+    parameters = (
+        Parameter(
+            "scale_error",
+            "1",
+            0.0,
+            -0.9,
+            100.0,
+            0.01,
+            what="measured speed over simulated speed, less 1",
+        ),
+    )
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the speed that is reported.

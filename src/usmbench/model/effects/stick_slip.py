@@ -19,8 +19,25 @@ class StickSlip(Effect):
     mend = "Look for a dry or dirty bearing or seal; listen at low speed."
     stage = "settled"
     parameters = (
-        Parameter("lost_rad_s", "rad/s", 0.0, 0.0, 10.0, 0.05),
-        Parameter("fades_rad_s", "rad/s", 1.0, 0.02, 5.0, 0.3, scanned=True),
+        Parameter(
+            "lost_rad_s",
+            "rad/s",
+            0.0,
+            0.0,
+            10.0,
+            0.05,
+            what="speed that friction takes near standstill",
+        ),
+        Parameter(
+            "fades_rad_s",
+            "rad/s",
+            1.0,
+            0.02,
+            5.0,
+            0.3,
+            scanned=True,
+            what="speed over which that falls to 1/e",
+        ),
     )
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:

@@ -12,9 +12,19 @@ from usmbench.model.effects.weaker_drive import weaker
 
 _MEANING = "The speed changes over the run as the motor warms and its resonance moves."
 _MEND = "Warm up for longer, log the stator's temperature, and let the frequency follow it."
-_DRIFT = Parameter("final_drift", "1", 0.0, -1.0, 1.0, 0.01)
+_DRIFT = Parameter(
+    "final_drift",
+    "1",
+    0.0,
+    -1.0,
+    1.0,
+    0.01,
+    what="share of the speed that is gained when all is warm; negative is lost",
+)
 # A drift that is over within two seconds is no warm-up: it would look like another gain.
-_WARM_UP = Parameter("warm_up_s", "s", 30.0, 2.0, 3000.0, 5.0, scanned=True)
+_WARM_UP = Parameter(
+    "warm_up_s", "s", 30.0, 2.0, 3000.0, 5.0, scanned=True, what="time constant of the warming"
+)
 
 
 class ThermalDrift(Effect):
@@ -62,7 +72,15 @@ class DriftingFriction(WithoutResonance, ThermalDrift):
     form = "speed and friction"
     parameters = (
         _DRIFT,
-        Parameter("final_held_back_rad_s", "rad/s", 0.0, -30.0, 30.0, 0.05),
+        Parameter(
+            "final_held_back_rad_s",
+            "rad/s",
+            0.0,
+            -30.0,
+            30.0,
+            0.05,
+            what="speed that friction takes as well when all is warm, most near standstill",
+        ),
         _WARM_UP,
     )
 
@@ -84,7 +102,15 @@ class DriftingResonance(ThermalDrift, AlongResonance):
 
     form = "along the resonance"
     parameters = (
-        Parameter("final_shift_ppm", "ppm", 0.0, -20_000.0, 20_000.0, 10.0),
+        Parameter(
+            "final_shift_ppm",
+            "ppm",
+            0.0,
+            -20_000.0,
+            20_000.0,
+            10.0,
+            what="how far up the resonance has moved when all is warm",
+        ),
         # What is over sooner would look like another frequency.
         replace(_WARM_UP, low=5.0),
     )

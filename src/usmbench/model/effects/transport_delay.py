@@ -26,7 +26,18 @@ class TransportDelay(DynamicsEffect):
     form_off = DEFINITION
     meaning = "Commands act later than the simulation says."
     mend = "Time a command from the host to the generator's pins; look at the line's rate."
-    parameters = (Parameter("delay_s", "s", 0.0, 0.0, 1.0, 0.002, scanned=True),)
+    parameters = (
+        Parameter(
+            "delay_s",
+            "s",
+            0.0,
+            0.0,
+            1.0,
+            0.002,
+            scanned=True,
+            what="how much later than simulated a command acts",
+        ),
+    )
 
     def linear_part(self, linear: LinearPart, context: Context, values: Values) -> LinearPart:
         """Return the late linear part.

@@ -77,8 +77,26 @@ class Rectified(UnsignedCounts):
     meaning = "The sign of the speed is lost, and small speeds with it, as behind a rectifier."
     mend = "Take a tachometer's voltage before its rectifier; of an encoder, check both channels."
     parameters = (
-        Parameter("knee_rad_s", "rad/s", 0.0, 0.0, 1e3, 0.5, scanned=True),
-        Parameter("smoothing_s", "s", 0.0, 0.0, 1.0, 0.01, scanned=True),
+        Parameter(
+            "knee_rad_s",
+            "rad/s",
+            0.0,
+            0.0,
+            1e3,
+            0.5,
+            scanned=True,
+            what="speed below which the rectifier passes little",
+        ),
+        Parameter(
+            "smoothing_s",
+            "s",
+            0.0,
+            0.0,
+            1.0,
+            0.01,
+            scanned=True,
+            what="time constant of the smoothing",
+        ),
     )
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:

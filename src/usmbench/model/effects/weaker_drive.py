@@ -51,8 +51,24 @@ class WeakerDrive(WithoutResonance):
     """
 
     parameters = (
-        Parameter("speed_lost", "1", 0.0, -2.0, 0.9, 0.01),
-        Parameter("held_back_rad_s", "rad/s", 0.0, -30.0, 30.0, 0.05),
+        Parameter(
+            "speed_lost",
+            "1",
+            0.0,
+            -2.0,
+            0.9,
+            0.01,
+            what="share of the speed that is lost; negative is gained",
+        ),
+        Parameter(
+            "held_back_rad_s",
+            "rad/s",
+            0.0,
+            -30.0,
+            30.0,
+            0.05,
+            what="speed that friction takes as well, most near standstill",
+        ),
     )
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:

@@ -117,3 +117,10 @@ def test_a_cause_that_is_not_installed_is_refused() -> None:
 def test_a_missing_parameter_is_refused() -> None:
     with pytest.raises(InputError, match="phase_offset lacks offset_deg"):
         applied_effects([{"name": "phase_offset", "parameters": {}}])
+
+
+@pytest.mark.parametrize("effect", library(), ids=_ids)
+def test_every_parameter_says_what_it_is(effect: Effect) -> None:
+    for parameter in effect.parameters:
+        assert len(parameter.what.split()) >= 3
+        assert not parameter.what.endswith(".")
