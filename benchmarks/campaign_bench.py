@@ -180,7 +180,7 @@ def _error(model: Path, record: Record) -> tuple[Array, NDArray[np.bool_]]:
 def _gain(before: Array, after: Array, floor: Array) -> float:
     """Share of the mean square above the floor that is gone, as diagnose counts it."""
     squares = [float(np.sum(e**2)) for e in (before, after, floor)]
-    return gain_of_blocks(np.array([*squares, before.size, before.size])[:, None]).gain
+    return gain_of_blocks(np.array([*squares, before.size])[:, None]).gain
 
 
 def _command(*words: str | Path) -> None:

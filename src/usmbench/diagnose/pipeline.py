@@ -128,8 +128,7 @@ def _held(found: Found) -> _Held:
     foretold = foretold_rad_s(scattered.problem, scattered.fit)
     if found.named and foretells_nothing(scattered.problem, foretold):
         return _held(found.without_names)
-    struck = () if sporadic is None else sporadic.struck
-    gain = held_out_gain(scattered.problem, foretold, struck)
+    gain = held_out_gain(scattered.problem, foretold, alone=sporadic is not None)
     return _Held(scattered, says, sporadic, gain)
 
 
@@ -177,7 +176,12 @@ def _warnings(held: _Held) -> Iterator[str]:
     found = held.found
     yield from unknown_moments(found.problem.stretches)
     yield from unmeasured(found)
-    if held.sporadic is None:
+    if held.sporadic is not None:
+        yield (
+            f"no simulation foresees which windows {held.sporadic.named.name} strikes: "
+            "they count in full, before and after"
+        )
+    else:
         yield from left_unnamed(found.problem, found.fit.effects, found.spread)
     if held.verdict == "no_discrepancy":
         yield from left_aside(found)
@@ -187,14 +191,14 @@ def _causes(held: _Held) -> list[NamedCause]:
     """Describe the named causes, the strongest first."""
     found = held.found
     problem, fit, spread = found.problem, found.fit, found.spread
-    struck = () if held.sporadic is None else held.sporadic.struck
     ranges = intervals(problem, fit, spread)
     causes = []
     for k, (ranking, applied) in enumerate(zip(found.named, fit.effects, strict=True)):
         share = held.gain.gain
         if len(found.named) > 1:
             rest = Fit(tuple(a for i, a in enumerate(fit.effects) if i != k), 0.0, 0.0)
-            without = held_out_gain(problem, foretold_rad_s(problem, rest), struck)
+            alone = held.sporadic is not None
+            without = held_out_gain(problem, foretold_rad_s(problem, rest), alone=alone)
             share = max(share - without.gain, 0.0)
         effect = applied.effect
         causes.append(

@@ -110,11 +110,10 @@ class Anew:
         noise_rad_s
             Root mean square of the noise.
         """
-        table = np.zeros((5, BLOCKS))
+        table = np.zeros((4, BLOCKS))
         for s, after in zip(self.stretches, self.judged.unseen_rad_s, strict=True):
             squares = (s.residual_rad_s**2, after**2, np.full(after.size, noise_rad_s**2))
-            ones = np.ones(after.size)
-            table += _sums(s, (*squares, ones, ones))
+            table += _sums(s, (*squares, np.ones(after.size)))
         return gain_of_blocks(table)
 
     def _estimates(self) -> Iterator[Estimate]:

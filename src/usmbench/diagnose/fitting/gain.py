@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.cutting.stretches import Mask
 from usmbench.diagnose.fitting.blocks import BLOCKS, block_of
 from usmbench.diagnose.residual.problem import Problem
 
@@ -42,11 +41,8 @@ class Gain:
         return self.rmse_extended_rad_s / max(self.noise_floor_rad_s, 1e-12)
 
 
-def held_out_gain(problem: Problem, foretold: Sequence[Array], struck: Sequence[Mask] = ()) -> Gain:
+def held_out_gain(problem: Problem, foretold: Sequence[Array], *, alone: bool = False) -> Gain:
     """Score effects on blocks that their values were not fitted on, beside the model as given.
-
-    Rows that stand alone count neither before nor after: whether a motor starts in one window or
-    in the next may hang on nothing at all.
 
     Parameters
     ----------
@@ -54,33 +50,18 @@ def held_out_gain(problem: Problem, foretold: Sequence[Array], struck: Sequence[
         The problem.
     foretold
         What the effects change, as from `foretold_rad_s`.
-    struck
-        Rows of each stretch that stand alone and that the extension has a name for, shape (N,)
-        each; then the model as given has to answer for all that do. Empty for no such name.
+    alone
+        Whether rows that stand alone count. Where no cause has a name for them they do not:
+        whether a motor starts in one window or in the next may hang on nothing at all.
     """
-    held = [s.residual_rad_s - f for s, f in zip(problem.stretches, foretold, strict=True)]
     sums = []
-    alone = struck or [np.zeros_like(mask) for mask in problem.masks]
-    masks = [mask & ~a for mask, a in zip(problem.masks, alone, strict=True)]
-    for stretch, after, mask in zip(problem.stretches, held, masks, strict=True):
-        block = block_of(stretch)
+    for stretch, change, mask in zip(problem.stretches, foretold, problem.masks, strict=True):
+        rows = stretch.use if alone else stretch.use & mask
         level = problem.noise.level_rad_s(replace(stretch, moment_rad_s=0.0))
-        scored = stretch.use & mask
-        plain = stretch.use if struck else scored
-        sums.append(
-            np.array(
-                [
-                    np.bincount(block[rows], weights=values[rows], minlength=BLOCKS)
-                    for rows, values in (
-                        (plain, stretch.residual_rad_s**2),
-                        (scored, after**2),
-                        (plain, level**2),
-                        (plain, np.ones(plain.size)),
-                        (scored, np.ones(plain.size)),
-                    )
-                ]
-            )
-        )
+        plain = stretch.residual_rad_s
+        squares = (plain**2, (plain - change) ** 2, level**2, np.ones(rows.size))
+        block = block_of(stretch)[rows]
+        sums.append([np.bincount(block, weights=v[rows], minlength=BLOCKS) for v in squares])
     return gain_of_blocks(np.concatenate(sums, axis=1))
 
 
@@ -90,8 +71,8 @@ def gain_of_blocks(table: Array) -> Gain:
     Parameters
     ----------
     table
-        Sums of squares of the residual before, after, and of the noise, and numbers of rows before
-        and after; one column a block, shape (5, K).
+        Sums of squares of the residual before, after, and of the noise, and numbers of rows; one
+        column a block, shape (4, K).
     """
     table = table[:, table[3] > 0]
     ms, value = _shares(table)
@@ -106,8 +87,7 @@ def gain_of_blocks(table: Array) -> Gain:
 def _shares(table: Array) -> tuple[Array, float]:
     """Mean squares (before, after, noise) and the gain."""
     total = table.sum(axis=1)
-    n, n_after = max(total[3], 1.0), max(total[4], 1.0)
-    ms = np.array([total[0] / n, total[1] / n_after, total[2] / n])
+    ms = total[:3] / max(total[3], 1.0)
     floor = min(ms[2], ms[1])
     above = ms[0] - floor
     gain = (ms[0] - ms[1]) / above if above > 1e-12 else 0.0

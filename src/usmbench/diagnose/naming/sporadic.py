@@ -53,14 +53,11 @@ class Sporadic:
         The cause for the result.
     deviance
         Square of the windows that stand alone, over the noise's.
-    struck
-        These windows, by stretch, shape (N,) each.
     """
 
     applied: Applied
     named: NamedCause
     deviance: float
-    struck: tuple[Mask, ...]
 
 
 def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -> Sporadic | None:
@@ -99,9 +96,7 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
     (effect, best), *others = weighed
     near = [e.name for e, w in others if 2.0 * (best.log_likelihood - w.log_likelihood) < TELLING]
     level_rad_s = np.concatenate([problem.noise.level_rad_s(s) for s in problem.stretches])[rows]
-    square = off_rad_s**2
-    share = float(np.sum(square[windows.alone])) / max(float(np.sum(square)), 1e-12)
-    deviance = float(np.sum((square / level_rad_s**2)[windows.alone]))
+    deviance = float(np.sum((off_rad_s / level_rad_s)[windows.alone] ** 2))
     estimates = _estimates(effect, best)
     named = NamedCause(
         effect.name,
@@ -111,10 +106,10 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
         tuple(near),
         estimates,
         p_value,
-        share,
+        gain=0.0,  # no simulation foresees which windows it strikes
     )
     applied = Applied(effect, {e.name: e.value for e in estimates})
-    return Sporadic(applied, named, deviance, tuple(far))
+    return Sporadic(applied, named, deviance)
 
 
 def left_unnamed(problem: Problem, effects: Sequence[Applied], spread: float) -> list[str]:

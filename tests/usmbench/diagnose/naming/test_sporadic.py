@@ -9,15 +9,13 @@ from scipy.signal import sawtooth
 
 from known_motor import CURVE, NOISE_RAD_S, WINDOW_S, applied, driven, identified, measured
 from usmbench.diagnose.cutting.cut_runs import cut_runs
-from usmbench.diagnose.fitting.fit import NOTHING
-from usmbench.diagnose.fitting.foretold import foretold_rad_s
-from usmbench.diagnose.fitting.gain import held_out_gain
 from usmbench.diagnose.known.knowledge import knowledge_of
 from usmbench.diagnose.naming.sporadic import find_sporadic, left_unnamed
 from usmbench.diagnose.noise.spikes import whole_count_rad_s
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.extended import Applied
+from usmbench.model.replay import replay_record
 from usmbench.runs.record import Record
 
 Array = NDArray[np.int64]
@@ -197,13 +195,15 @@ def test_what_no_move_of_the_motor_makes_is_a_false_count_wherever_it_strikes(
         assert rate_hz == pytest.approx(n_hit / (record.t_s.size * 0.01), rel=0.6)
 
 
-def test_false_counts_among_the_judged_windows_are_gained_too() -> None:
-    problem = judged(swinging(4.0)[0])
-    sporadic = find_sporadic(problem, (), 1.0)
-    assert sporadic is not None
-    gain = held_out_gain(problem, foretold_rad_s(problem, NOTHING), sporadic.struck)
-    assert gain.gain > 0.8
-    assert gain.rmse_extended_rad_s < 0.5 * gain.rmse_simulation_rad_s
+def test_nobody_foresees_a_false_count_so_naming_it_gains_nothing() -> None:
+    record, _ = swinging(4.0)
+    found = diagnose([record], identified())
+    assert [cause.name for cause in found.causes] == ["count_glitches"]
+    assert found.verdict == "explained"
+    assert found.gain == found.causes[0].gain == 0.0
+    replayed = replay_record(record, found.extended)
+    assert found.rmse_extended_rad_s == pytest.approx(replayed.rmse_rad_s, rel=0.1)
+    assert any("no simulation foresees" in warning for warning in found.warnings)
 
 
 @pytest.mark.parametrize(("counts", "found"), [(1, False), (2, True)])
