@@ -191,13 +191,12 @@ def _causes(held: _Held) -> list[NamedCause]:
     """Describe the named causes, the strongest first."""
     found = held.found
     problem, fit, spread = found.problem, found.fit, found.spread
-    ranges = intervals(problem, fit, spread)
+    ranges, alone = intervals(problem, fit, spread), held.sporadic is not None
     causes = []
     for k, (ranking, applied) in enumerate(zip(found.named, fit.effects, strict=True)):
         share = held.gain.gain
         if len(found.named) > 1:
             rest = Fit(tuple(a for i, a in enumerate(fit.effects) if i != k), 0.0, 0.0)
-            alone = held.sporadic is not None
             without = held_out_gain(problem, foretold_rad_s(problem, rest), alone=alone)
             share = max(share - without.gain, 0.0)
         effect = applied.effect

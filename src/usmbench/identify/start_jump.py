@@ -158,17 +158,19 @@ def _tried_between(beside: _Beside, driven_deg: Array, way: int, least: float) -
     """
     between_deg = 0.5 * (driven_deg[1:] + driven_deg[:-1])
     tried = np.empty((4, 0))
-    first, last, step = 0, between_deg.size - 1, 2
-    while first <= last and step > 1:
+    first, last = 0, between_deg.size - 1
+    while first <= last:
         step = max(-(-(last - first) // _PLACES), 1)
         asked = np.arange(first, last + 1, step)
         tried = np.hstack([tried, beside.tried(between_deg[asked], way)])
         best = int(np.argmax(tried[2]))
         if tried[2, best] < least:
             return None
+        if step == 1:
+            return tried
         at = int(np.searchsorted(between_deg, tried[0, best]))
         first, last = max(at - _REACH * step, 0), min(at + _REACH * step, between_deg.size - 1)
-    return tried if tried.size else None
+    return None
 
 
 def _shapes(phase_deg: Array, places_deg: Array, way: int) -> Array:

@@ -6,6 +6,7 @@ both things that it does, less speed and more friction, are fitted.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -13,7 +14,7 @@ from scipy.signal import lfilter
 
 from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
 from usmbench.model.effects.resonance import AlongResonance, WithoutResonance, vibrating_less
-from usmbench.model.effects.weaker_drive import travelling, weaker
+from usmbench.model.effects.weaker_drive import HELD_BACK, travelling, weaker
 
 _MEANING = "The drive voltages give way while the motor delivers power: fast is slower than it was."
 _MEND = "Watch both amplitudes at full speed and at 0°; look at the supply, its cable and fuse."
@@ -26,13 +27,9 @@ _DROOP = Parameter(
     0.01,
     what="share of the speed that is lost at the power of the highest speed",
 )
-_HELD = Parameter(
-    "held_back_rad_s",
-    "rad/s",
-    0.0,
-    0.0,
-    30.0,
-    0.05,
+_HELD = replace(
+    HELD_BACK,
+    low=0.0,
     what="speed that friction takes as well at that power, most near standstill",
 )
 _STORE = Parameter(

@@ -1,8 +1,10 @@
 """The generators are not equally strong."""
 
+from dataclasses import replace
+
 from usmbench.model.effects.base import Array, Context, Parameter, Values
 from usmbench.model.effects.resonance import AlongResonance, vibrating_less
-from usmbench.model.effects.weaker_drive import WeakerDrive
+from usmbench.model.effects.weaker_drive import HELD_BACK, WeakerDrive
 
 _MEANING = "One of the two drive voltages is weaker than the other."
 _MEND = "Compare the two amplitudes on an oscilloscope; look at the amplifiers and the filters."
@@ -41,18 +43,7 @@ class UnknownSlope(WeakerDrive):
     name = "generator_imbalance"
     meaning = _MEANING
     mend = _MEND
-    parameters = (
-        _LOST,
-        Parameter(
-            "held_back_rad_s",
-            "rad/s",
-            0.0,
-            0.0,
-            30.0,
-            0.05,
-            what="speed that friction takes as well, most near standstill",
-        ),
-    )
+    parameters = (_LOST, replace(HELD_BACK, low=0.0))
 
 
 FORMS = (GeneratorImbalance(), UnknownSlope())

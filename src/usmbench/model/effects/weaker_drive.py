@@ -5,6 +5,16 @@ import numpy as np
 from usmbench.model.effects.base import Array, Context, Parameter, Values
 from usmbench.model.effects.resonance import WithoutResonance
 
+HELD_BACK = Parameter(
+    "held_back_rad_s",
+    "rad/s",
+    0.0,
+    -30.0,
+    30.0,
+    0.05,
+    what="speed that friction takes as well, most near standstill",
+)
+
 
 def weaker(
     signal: Array, context: Context, speed_lost: Array | float, held_back_rad_s: Array | float
@@ -60,15 +70,7 @@ class WeakerDrive(WithoutResonance):
             0.01,
             what="share of the speed that is lost; negative is gained",
         ),
-        Parameter(
-            "held_back_rad_s",
-            "rad/s",
-            0.0,
-            -30.0,
-            30.0,
-            0.05,
-            what="speed that friction takes as well, most near standstill",
-        ),
+        HELD_BACK,
     )
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
