@@ -69,11 +69,12 @@ def hidden_pair(
         return None
     if not _worth_their_names(problem, best, one_alone, spread):
         return None
-    one, other = best.effects
-    rankings = [_beside(problem, effects, spread, other), _beside(problem, effects, spread, one)]
-    for (leader, *_), wanted in zip(rankings, best.effects, strict=True):
-        if leader.effect != wanted.effect or leader.p_value >= CLEAR:
+    rankings = []
+    for wanted, other in zip(best.effects, reversed(best.effects), strict=True):
+        ranking = _beside(problem, effects, spread, other)
+        if ranking[0].effect != wanted.effect or ranking[0].p_value >= CLEAR:
             return None
+        rankings.append(ranking)
     return settled(problem, rankings, best)
 
 

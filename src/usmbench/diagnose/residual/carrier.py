@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
+from scipy.sparse import csc_array, csr_array
 
 from usmbench.diagnose.cutting.stretches import Mask
 
@@ -27,6 +27,8 @@ class Carrier:
         Whitens all rows and keeps those that count, shape (R, N).
     background
         Whitened shapes on these, shape (R, S).
+    transposed
+        The same, shape (S, R).
     ways
         In which ways they may differ, shape (S, K).
     tension
@@ -35,6 +37,7 @@ class Carrier:
 
     whitening: csr_array
     background: csr_array
+    transposed: csc_array
     ways: Array
     tension: Array
 
@@ -54,10 +57,11 @@ class Carrier:
             Square root of the shapes' covariance, shape (S, L).
         """
         whitening, judged = filter_[rows], background[rows]
-        alike = (judged.T @ judged).toarray()
+        transposed = judged.T
+        alike = (transposed @ judged).toarray()
         power, ways = np.linalg.eigh(root.T @ alike @ root)
         shown = power > _HIDDEN
-        return cls(whitening, judged, root @ ways[:, shown], 1.0 + power[shown])
+        return cls(whitening, judged, transposed, root @ ways[:, shown], 1.0 + power[shown])
 
     def carried(self, signal: Array) -> Array:
         """Return a residual as the vector whose square is its deviance.
@@ -73,9 +77,10 @@ class Carrier:
             Shape (R + K,) or (R + K, M).
         """
         white = np.asarray(self.whitening @ signal)
-        shaped = np.asarray(self.background.T @ white)
+        shaped = np.asarray(self.transposed @ white)
         beta = ((self.ways.T @ shaped).T / self.tension).T
-        carried: Array = np.concatenate([white - self.background @ (self.ways @ beta), beta])
+        carried: Array = np.concatenate([white, beta])
+        carried[: len(white)] -= self.background @ (self.ways @ beta)
         return carried
 
     def excuses(self, carried: Array) -> tuple[Array, float]:

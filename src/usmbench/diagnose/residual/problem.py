@@ -177,7 +177,7 @@ class Problem:
             replace(s, context=at_shaft_angle(every, s.simulated_rad_s, s.context))
             for s in self.stretches
         )
-        other._runs = FreeRuns(other.stretches)
+        other._runs = self._runs.turned(other.stretches)
         return other._leaving(other.stretches)
 
     def scattering(self, chancy: Sequence[Applied], effects: Sequence[Applied]) -> "Problem":

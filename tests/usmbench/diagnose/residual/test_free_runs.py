@@ -1,6 +1,7 @@
 """Runs that are kept are those that would be made anew."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -53,8 +54,8 @@ def test_what_comes_after_the_shaft_does_not_run_it_again(
     assert asked == [[LATE[0]]]
 
 
-@pytest.mark.parametrize(("kept", "n_runs"), [(12 * 200, 12), (11 * 200, 24)])
-def test_a_scan_that_fits_in_memory_is_run_once(
+@pytest.mark.parametrize(("kept", "n_runs"), [(12 * 200, 12), (4 * 200, 20)])
+def test_what_fits_in_memory_of_a_scan_is_run_once(
     stretches: list[Stretch],
     asked: list[Sequence[Applied]],
     kept: int,
@@ -78,3 +79,17 @@ def test_another_noise_runs_nothing_again(
     for weighed in (problem, problem.weighed(noise, uses), problem.with_masks(uses)):
         weighed.left(LATE)
     assert asked == [LATE]
+
+
+def test_another_angle_is_seen_by_the_counter_and_runs_no_shaft(
+    stretches: list[Stretch], asked: list[Sequence[Applied]]
+) -> None:
+    runs = FreeRuns(stretches)
+    n = stretches[0].context.n
+    angles_rad = (np.linspace(0.0, 9.0, n), np.linspace(1.0, 7.0, n))
+    for angle_rad in angles_rad:
+        context = replace(stretches[0].context, angle_rad=angle_rad)
+        (found,) = runs.turned([replace(stretches[0], context=context)]).speed_rad_s([RIPPLE])
+        expected = extended_run([RIPPLE], context).speed_rad_s
+        np.testing.assert_array_equal(found, expected)
+    assert asked == [[]]
