@@ -24,6 +24,7 @@ from usmbench.diagnose.naming.found import (
     left_aside,
     unmeasured,
     verdict_on,
+    warms_unknown,
 )
 from usmbench.diagnose.naming.ranking import Ranked, alternatives
 from usmbench.diagnose.naming.remainder import LOUD, describe
@@ -185,6 +186,8 @@ def _warnings(held: _Held) -> Iterator[str]:
         yield from left_unnamed(found.problem, found.fit.effects, found.spread)
     if held.verdict == "no_discrepancy":
         yield from left_aside(found)
+    else:
+        yield from warms_unknown(found)
 
 
 def _causes(held: _Held) -> list[NamedCause]:
