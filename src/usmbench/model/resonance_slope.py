@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 _STEP_DEG = 1.0
 _RUNS, _RUNS_WELL = 0.01, 0.08  # shares of the point's highest speed
 _DEGREE, _FEWEST = 2, 9  # of the polynomial, phases that it takes
+_LITTLE = 0.1  # of the highest speed: over so little, the resonance curve is straight
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +92,7 @@ def point_slopes(points: Sequence[OperatingPoint]) -> tuple[PointSlope, ...] | N
     table = slope_table(points)
     if table is None:
         return None
-    return tuple(_fitted(points, i, row) for i, row in enumerate(table))
+    return tuple(_fitted(points, i, _central(points, table, i)) for i in range(len(points)))
 
 
 def mixed_slope(slopes: Sequence[PointSlope] | None, weights: Sequence[Array]) -> Mixed | None:
@@ -109,7 +110,36 @@ def mixed_slope(slopes: Sequence[PointSlope] | None, weights: Sequence[Array]) -
     return Mixed(tuple(slope.rad_s for slope in slopes), tuple(weights))
 
 
-def _fitted(points: Sequence[OperatingPoint], i: int, row: Array) -> PointSlope:
+def _central(points: Sequence[OperatingPoint], table: Array, i: int) -> list[float]:
+    """Weights of the curves: at an end, those of its neighbour, if the curve is straight so far.
+
+    From one side only, a parabola makes four times as much of the curves' errors.
+    """
+    sides, nearest = _sides(points, table, i)
+    if len(sides) == 1 and nearest is not None and len(_sides(points, table, nearest)[0]) == 2:
+        here, there = points[i], points[nearest]
+        low_deg = max(here.phase_range_deg[0], there.phase_range_deg[0])
+        high_deg = min(here.phase_range_deg[1], there.phase_range_deg[1])
+        phase_deg = np.arange(low_deg, high_deg, _STEP_DEG)
+        speed, other = (p.curve.speed_rad_s(phase_deg) for p in (here, there))
+        highest = np.max(np.abs(speed), initial=0.0)
+        if np.max(np.abs(speed - other), initial=0.0) <= _LITTLE * highest:
+            return list(table[nearest])
+    return list(table[i])
+
+
+def _sides(points: Sequence[OperatingPoint], table: Array, i: int) -> tuple[set[float], int | None]:
+    """On which sides in frequency the neighbours of a point lie, and the nearest of two."""
+    steps_hz = {
+        k: (points[k].frequency_hz or 0.0) - (points[i].frequency_hz or 0.0)
+        for k in np.flatnonzero(table[i]).tolist()
+        if k != i
+    }
+    nearest = min(steps_hz, key=lambda k: abs(steps_hz[k])) if len(steps_hz) == 2 else None
+    return {float(np.sign(step)) for step in steps_hz.values()}, nearest
+
+
+def _fitted(points: Sequence[OperatingPoint], i: int, row: Sequence[float]) -> PointSlope:
     others = tuple((p, float(w)) for p, w in zip(points, row, strict=True) if w != 0.0)
     plain = PointSlope(points[i], others)
     reach_deg = (

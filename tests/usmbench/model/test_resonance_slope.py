@@ -74,6 +74,35 @@ def test_curves_that_are_right_keep_their_slope_at_each_point() -> None:
     assert np.allclose(mixed[runs], exact_rad_s(PHASE_DEG)[runs], rtol=0.06)
 
 
+@settings(deadline=None, max_examples=40)
+@given(st.integers(0, 10_000))
+def test_the_ends_of_a_near_three_are_no_worse_than_its_middle(seed: int) -> None:
+    """A parabola from one side would make four times as much of the curves' errors."""
+    rng = np.random.default_rng(seed)
+    points = points_off_by(rng.normal(0.0, 0.03, (3, 1)) * np.ones(KNOTS_DEG.size))
+    slopes = point_slopes(points)
+    assert slopes is not None
+    for end in (slopes[0], slopes[2]):
+        np.testing.assert_allclose(end.difference_rad_s(PHASE_DEG), _middle(points, PHASE_DEG))
+
+
+def test_where_the_speed_changes_much_from_one_to_the_next_an_end_keeps_its_parabola() -> None:
+    speeds = [settled_rad_s(KNOTS_DEG, vibration) for vibration in (0.7, 1.0, 0.9)]
+    points = [
+        OperatingPoint(f, 0.0, StaticCurve(KNOTS_DEG, speed), (-89.0, 89.0), (None, None), 0.01)
+        for f, speed in zip((40_000.0, 40_500.0, 41_000.0), speeds, strict=True)
+    ]
+    slopes = point_slopes(points)
+    assert slopes is not None
+    low, high = (float(s.difference_rad_s(np.array([60.0]))[0]) for s in (slopes[0], slopes[2]))
+    assert low > 0.0 > high
+
+
+def _middle(points: list[OperatingPoint], phase_deg: Array) -> Array:
+    low, high = (points[k].curve.speed_rad_s(phase_deg) for k in (0, 2))
+    return np.asarray(FREQUENCY_HZ * (high - low) / (STEPS_HZ[2] - STEPS_HZ[0]))
+
+
 def test_at_rest_and_where_too_few_phases_tell_it_is_the_plain_difference() -> None:
     points = points_off_by(np.zeros((3, KNOTS_DEG.size)))
     slopes = point_slopes(points)
