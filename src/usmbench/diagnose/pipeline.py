@@ -12,6 +12,7 @@ from usmbench.diagnose.cutting.command_times import (
     at_unknown_moments,
     unknown_moments,
 )
+from usmbench.diagnose.cutting.long_runs import long_warming
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.evidence import Candidate, Estimate, NamedCause, strongest_first
 from usmbench.diagnose.fitting.fit import Fit
@@ -24,7 +25,6 @@ from usmbench.diagnose.naming.found import (
     left_aside,
     unmeasured,
     verdict_on,
-    warms_unknown,
 )
 from usmbench.diagnose.naming.ranking import Ranked, alternatives
 from usmbench.diagnose.naming.remainder import LOUD, describe
@@ -187,7 +187,7 @@ def _warnings(held: _Held) -> Iterator[str]:
     if held.verdict == "no_discrepancy":
         yield from left_aside(found)
     else:
-        yield from warms_unknown(found)
+        yield from long_warming(found.problem.stretches)
 
 
 def _causes(held: _Held) -> list[NamedCause]:

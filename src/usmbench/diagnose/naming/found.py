@@ -35,9 +35,6 @@ _TRIFLE = 0.01  # of what there was: what a form of an effect may be off by
 _MOSTLY = 0.5  # of what is off
 _SCATTER = 0.5  # of what is left: the rest is smooth
 _UNKNOWN, _MANY_ROWS = 0.1, 0.2  # of the highest speed; of the rows
-# Runs of a minute, what precedes their plan included, are what benchmarks/naming_campaign.py
-# measures; with --mechanisms nothing --lengths 120 healthy ones get names.
-_WARMS_KNOWN_S = 70.0
 _AT_END = 0.99  # of the way from nothing to the end of what a size may be
 
 
@@ -232,33 +229,6 @@ def unmeasured(found: Found) -> list[str]:
         f"on {100.0 * share:.0f} % of the rows the model may be off by {100.0 * _UNKNOWN:.0f} % of "
         "the highest speed and more, such as between phases that its runs did not drive: they tell "
         "little; identify it on a run that drives them"
-    ]
-
-
-def warms_unknown(found: Found) -> list[str]:
-    """Say which runs last longer than a warm-up is known well enough to name a cause beside it.
-
-    Parameters
-    ----------
-    found
-        What the search came to.
-
-    Returns
-    -------
-    list of str
-        One warning a run.
-    """
-    begins_s: dict[str, float] = {}
-    lasts_s: dict[str, float] = {}
-    for s in found.problem.stretches:
-        begin_s = begins_s.setdefault(s.name, float(s.context.t_s[0]))
-        lasts_s[s.name] = float(s.context.t_s[-1]) - begin_s
-    return [
-        f"{name}: in {last_s:.0f} s a motor warms by more than the model knows well, and healthy "
-        "ones have got names, thermal_drift above all; see whether runs of a minute say the same, "
-        "with a model identified on such runs"
-        for name, last_s in lasts_s.items()
-        if last_s > _WARMS_KNOWN_S
     ]
 
 

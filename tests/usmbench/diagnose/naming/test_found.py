@@ -1,6 +1,5 @@
 """Whether what is named may stand beside what it leaves."""
 
-from dataclasses import replace
 from unittest.mock import Mock
 
 import numpy as np
@@ -10,7 +9,7 @@ from known_motor import NOISE_RAD_S, applied, driven, identified
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.known.knowledge import knowledge_of
-from usmbench.diagnose.naming.found import Found, left_aside, verdict_on, warms_unknown
+from usmbench.diagnose.naming.found import Found, left_aside, verdict_on
 from usmbench.diagnose.naming.ranking import Ranked
 from usmbench.diagnose.naming.sporadic import Sporadic
 from usmbench.diagnose.residual.problem import Problem
@@ -131,15 +130,3 @@ def test_single_windows_are_the_matter_where_most_of_what_is_off_is_in_them(
     assert found.off_in_all > 0.0
     lone = Mock(spec=Sporadic, deviance=share * found.off_in_all)
     assert verdict_on(found, lone) == verdict
-
-
-@pytest.mark.parametrize(("apart_s", "warns"), [(3.0, False), (3.6, True)])
-def test_a_long_run_says_that_its_warm_up_is_not_known(apart_s: float, warns: bool) -> None:
-    problem = _judged(1.0)
-    (stretch,) = problem.stretches
-    t_s = 1000.0 + apart_s * np.arange(2000.0) / 100.0  # a clock need not begin at 0
-    longer = replace(stretch, context=replace(stretch.context, t_s=t_s))
-    problem.stretches = (longer,)
-    quiet = Whole(0.0, 1.0, problem.n_rows)
-    warnings = warms_unknown(Found(problem, 1.0, [], [], Fit((), 0.0, 0.0), quiet, quiet))
-    assert [stretch.name in words for words in warnings] == [True] * warns
