@@ -30,6 +30,7 @@ from usmbench.model.extended import Applied
 Array = NDArray[np.float64]
 
 _MOSTLY = 0.9  # of what is unexplained
+_AS_QUIET = 1.01  # times the scatter: two that pass for one leave more
 
 
 def search(
@@ -156,7 +157,8 @@ def _with_a_pair(
     if pair is None:
         return found
     both = weighed.found(pair)
-    stands = verdict_on(both, None) == "explained" and both.spread <= found.spread
+    quiet = both.spread <= _AS_QUIET * found.spread
+    stands = quiet and verdict_on(both, None) == "explained"
     return both if stands else found
 
 
