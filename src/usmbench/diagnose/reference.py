@@ -103,15 +103,11 @@ def measure_knowledge(stretches: Sequence[Stretch], habits: Sequence[Applied] = 
         wander_of_shares(shares, features.top_rad_s, features.n_points, features.n_places)
         for shares in (ANY, LEAST)
     )
-    wander = widest
+    wander, apart = widest, [departures(s, habits) for s in stretches]
     for _ in range(_ROUNDS):
         far = spiked(stretches, left, noise, near_steps=True)
         masks = [use & ~f for use, f in zip(uses, far, strict=True)]
-        warms = np.where(features.warms, mean, 0.0)
-        own = [
-            departures(s, features.warming(s, part @ warms), habits) * wander.deviations
-            for s, part in zip(stretches, shapes, strict=True)
-        ]
+        own = [departed * wander.deviations for departed in apart]
         learnt = learn(features, stretches, shapes, noise, masks, own)
         mean = learnt.mean
         left = [

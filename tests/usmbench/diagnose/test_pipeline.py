@@ -164,7 +164,7 @@ def test_a_small_cause_is_named_beside_a_large_one_that_hardly_acts_where_it_doe
 ) -> None:
     rng = np.random.default_rng(3)
     late = applied("transport_delay", "", delay_s=0.006)
-    warms = applied("thermal_drift", "speed", final_drift=-0.01, warm_up_s=15.0)
+    warms = applied("thermal_drift", "speed", final_drift=-0.015, warm_up_s=15.0)
     found = diagnose([driven(np.repeat(rng.uniform(-88.0, 88.0, 100), 20), 13, late, warms)], model)
     assert [cause.name for cause in found.causes] == ["transport_delay", "thermal_drift"]
 

@@ -10,8 +10,9 @@ from usmbench.diagnose.cutting.check_runs import (
     check_outside,
     check_run,
 )
-from usmbench.diagnose.cutting.stretches import Before, Mask, Stretch, came_from
+from usmbench.diagnose.cutting.stretches import Mask, Stretch, came_from
 from usmbench.diagnose.cutting.tabled_curve import NODES_DEG, TabledCurve
+from usmbench.diagnose.cutting.warmth import warmth
 from usmbench.model.effects.base import Context
 from usmbench.model.extended import Applied, extended_run
 from usmbench.model.hammerstein import HammersteinModel
@@ -29,7 +30,8 @@ Array = NDArray[np.float64]
 
 _LONGEST_START = 50
 _MOST_WINDOWS = 40_000  # more add time and memory, and hardly power
-_BLOCK, _LEAST_BLOCK = 2000, 400
+_BLOCK, _LEAST_BLOCK = 1000, 400
+_TURN = 0.618  # of the gap between blocks, from run to run: these fractions spread most evenly
 
 
 def cut_runs(
@@ -75,8 +77,8 @@ def cut_runs(
         outside |= beyond_range(model.points, weights, record.phase_deg)
         check_outside(record, outside, warnings)
         window_s = float(np.median(record.window_s))
-        so_far = _sums_so_far(record, weights, speeds)
-        for rows in pieces[run]:
+        warm = warmth(record.t_s, window_s, _powers(record, weights, speeds), pieces[run])
+        for rows, warmed in zip(pieces[run], warm, strict=True):
             phase_deg, points = record.phase_deg[rows], tuple(w[rows] for w in weights)
             context = Context(
                 record.t_s[rows],
@@ -89,8 +91,7 @@ def cut_runs(
                 None if record.count_rad is None else record.count_rad / window_s,
             )
             measured_rad_s, use = record.speed_rad_s[rows], ~outside[rows]
-            before = Before(int(rows[0]), *so_far[rows[0]].tolist())
-            at = (points, places_among(model.points, points), before)
+            at = (points, places_among(model.points, points), warmed)
             stretches.append(_stretch(run, record.name, context, measured_rad_s, effects, use, at))
     check_enough(records, sum(int(np.count_nonzero(s.use)) for s in stretches))
     return stretches, warnings
@@ -99,10 +100,13 @@ def cut_runs(
 def _pieces(
     sizes: Sequence[int], jumps: Sequence[NDArray[np.int64]], keep: float
 ) -> list[list[NDArray[np.int64]]]:
-    """Rows of each run's stretches; of very many, blocks spread evenly over them, ends and all."""
+    """Rows of each run's stretches; of very many, blocks spread evenly over them, ends and all.
+
+    Those of another run lie between: together they show how a motor warms without a gap.
+    """
     every: list[list[NDArray[np.int64]]] = []
     owed = 0.0
-    for n, at in zip(sizes, jumps, strict=True):
+    for run, (n, at) in enumerate(zip(sizes, jumps, strict=True)):
         every.append([])
         for rows in np.split(np.arange(n), at):
             owed += keep * rows.size
@@ -111,19 +115,25 @@ def _pieces(
             if size <= _LONGEST_START or size < min(_LEAST_BLOCK, rows.size):
                 continue  # the next ones give more
             owed -= count * size
-            begins = np.linspace(0, rows.size - size, count).astype(int)
+            begins = _begins(rows.size, count, size, run * _TURN % 1.0)
             every[-1] += [rows[begin : begin + size] for begin in begins]
     return every
 
 
-def _sums_so_far(record: Record, weights: Sequence[Array], speeds: Sequence[Array]) -> Array:
-    """Add up the windows before each row, in the order of `Before`, shape (N, 3)."""
+def _begins(n: int, count: int, size: int, turn: float) -> list[int]:
+    """Where blocks begin: the first and the last at the ends, the others by a turn in the gaps."""
+    between = max(count - 2, 0)
+    gap = max(n - count * size, 0) / max(between, 1)
+    inner = size + np.arange(between) * (size + gap) + turn * gap
+    return [int(begin) for begin in (0, *inner, n - size)][:count]
+
+
+def _powers(record: Record, weights: Sequence[Array], speeds: Sequence[Array]) -> list[Array]:
+    """Return what may warm the motor, in the order of `Stretch.warmth`, shape (N,) each."""
     first, last = np.searchsorted(NODES_DEG, (record.phase_deg.min(), record.phase_deg.max()))
     tops = [float(np.max(np.abs(speed[first : last + 1]))) for speed in speeds]
-    size = np.abs(record.speed_rad_s)
-    each = np.column_stack((size, size**2, (tops @ np.asarray(weights)) ** 2))
-    sums: Array = np.cumsum(each, axis=0) - each
-    return sums
+    size, highest = np.abs(record.speed_rad_s), np.asarray(tops) @ np.asarray(weights)
+    return [np.ones(size.size), size, highest**2]
 
 
 def _stretch(
@@ -133,7 +143,7 @@ def _stretch(
     speed_rad_s: Array,
     effects: Sequence[Applied],
     use: Mask,
-    at: tuple[tuple[Array, ...], tuple[Array, ...], Before],
+    at: tuple[tuple[Array, ...], tuple[Array, ...], Array],
 ) -> Stretch:
     """Simulate a stretch and work out where each row stands after the last command."""
     simulated = extended_run(effects, context)

@@ -15,28 +15,6 @@ Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True)
-class Before:
-    """What the windows of a run before a stretch add up to: by it the motor is warm.
-
-    Parameters
-    ----------
-    windows
-        How many there are.
-    speed_rad_s
-        Sum of their speeds, whatever the direction.
-    squared_rad2_s2
-        Sum of the squares.
-    highest_squared_rad2_s2
-        The same of the highest speed at each one's operating point.
-    """
-
-    windows: int
-    speed_rad_s: float
-    squared_rad2_s2: float
-    highest_squared_rad2_s2: float
-
-
-@dataclass(frozen=True, slots=True)
 class Stretch:
     """Consecutive windows of one run; columns have shape (N,).
 
@@ -68,8 +46,10 @@ class Stretch:
         Weight of each of the model's operating points.
     places
         Place among them in frequency and torque, as far as they differ, from -1 to 1.
-    before
-        What the run did before.
+    warmth
+        How warm the run has made the motor, by `warmth`: by being driven at all (no unit), by the
+        speed whatever its direction (rad/s), and by the square of the highest speed at each row's
+        operating point (rad²/s²), shape (3, T, N).
     moment_rad_s
         What the speed may be off by where nobody knows when a command acted, or 0.
     scatter_rad_s
@@ -92,7 +72,7 @@ class Stretch:
     use: Mask
     points: tuple[Array, ...]
     places: tuple[Array, ...]
-    before: Before
+    warmth: Array
     moment_rad_s: Array | float = 0.0
     scatter_rad_s: Array | float = 0.0
     doubt_rad_s: Array | None = None

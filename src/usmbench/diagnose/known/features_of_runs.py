@@ -36,7 +36,6 @@ def features_of(stretches: Sequence[Stretch]) -> Features:
     return Features(
         nodes_deg,
         top_rad_s,
-        max(float(s.context.t_s[-1]) for s in stretches),
         len(stretches[0].points),
         len(stretches[0].places),
         _steepest_rad_s(stretches),

@@ -114,13 +114,12 @@ class Knowledge:
         runs, habits = sorted({s.run for s in stretches}), applied_effects(self.habits)
         free = self.root != 0.0
         shaped, ways = np.any(free, axis=1), np.any(free, axis=0)
-        warms = np.where(self.features.warms, self.mean, 0.0)[shaped]
         off_rad_s = deviations_rad_s(self.features, self.mean, self.root)
         found = []
         for s in stretches:
             none = np.empty((s.context.n, 0))
             shapes = np.column_stack([none, *compress(self.features.columns(s), shaped)])
-            own = departures(s, self.features.warming(s, shapes @ warms), habits)
+            own = departures(s, habits)
             between = between_nodes(s, self.features, off_rad_s)
             doubt = none if s.doubt_rad_s is None else s.doubt_rad_s
             apart = (own * (s.run == r) for r in runs)
@@ -198,7 +197,6 @@ def _features(content: dict[str, Any]) -> Features:
     return Features(
         nodes_deg,
         float(content["top_rad_s"]),
-        float(content["end_s"]),
         int(content.get("n_points", 1)),
         int(content.get("n_places", 0)),
         None if steepest_rad_s is None else float(steepest_rad_s),
@@ -216,18 +214,19 @@ def _cautious(model: HammersteinModel) -> Knowledge:
     features = Features(
         phase_nodes(table_deg, speeds),
         max(float(np.max(np.abs(speeds))), 1e-9),
-        1.0,
         len(model.points),
         len(places_among(model.points, list(np.eye(len(model.points))))),
     )
     lags = {g: _CAUTIOUS_LAG for g in features.groups if g.startswith("lag")}
     deviation = {"phase": _CAUTIOUS_CURVE * noise_rad_s, **lags}
     groups = features.groups
+    wander = wander_of_shares(LEAST, features.top_rad_s, features.n_points, features.n_places)
     return Knowledge(
         None,
         features,
         np.zeros(len(groups)),
         np.diag([deviation.get(g, 0.0) for g in groups]),
-        wander_of_shares(LEAST, features.top_rad_s, features.n_points, features.n_places),
+        # Of a warm-up it says nothing, nor that one differs from another.
+        replace(wander, warms_gain=0.0, warms_held_back_rad_s=0.0, warms_shift=0.0),
         stated_rad_s=noise_rad_s,
     )

@@ -23,6 +23,9 @@ _ROUNDS = 3
 _FOLDS, _BLOCK = 4, 100
 _HUBER = 3.0
 _TIED = 100.0  # weight with which the runs' own deviations add up to 0
+# Of the prior's variance, what the others teach; of what they leave open, what a run left out
+# shows; and a few rows that stand out.
+_TAUGHT, _SHOWN, _OUTLYING = 0.5, 0.5, 16.0
 _CHANCE = 1.0  # standard deviations by which chance alone lets folds differ
 
 
@@ -56,6 +59,7 @@ class Learnt:
 class _Part:
     """Whitened columns of one stretch on the rows that count, and where they belong."""
 
+    run: int
     columns: Array
     error: Array
     fold: NDArray[np.intp]
@@ -96,7 +100,7 @@ def learn(
     n_runs = 1 + max(s.run for s in stretches)
     size = prior.size + n_own * n_runs
     parts = _whitened(stretches, shapes, own, prior, noise, masks)
-    ties = _ties(stretches, own, prior.size)
+    ties = _ties(parts, n_runs, prior.size)
     theta = np.zeros(size)
     n_folds = n_runs if n_runs > 1 else _FOLDS
     whole = _moments(parts, (np.ones(p.error.size) for p in parts), size, n_folds)
@@ -137,7 +141,9 @@ def covariance_root(features: Features, learnt: Learnt) -> Array:
     prior = features.prior
     covariance = np.linalg.inv(learnt.tied)[: prior.size, : prior.size]
     extra = _between(features.groups, *learnt.folds)
-    return np.asarray(prior[:, None] * np.linalg.cholesky(covariance + np.diag(extra**2)))
+    beyond = _beyond(extra, *learnt.folds)
+    root = np.linalg.cholesky(covariance + np.diag(extra**2))
+    return np.asarray(np.sqrt(beyond) * prior[:, None] * root)
 
 
 def _whitened(
@@ -156,19 +162,21 @@ def _whitened(
         columns, error = (np.asarray(white @ part) for part in (both, s.residual_rad_s))
         fold = _block_of(mask) if lone else np.full(error.size, s.run)
         at = np.r_[:n_shapes, n_shapes + n_own * s.run + np.arange(n_own)]
-        parts.append(_Part(columns, error, fold, at))
+        parts.append(_Part(s.run, columns, error, fold, at))
     return parts
 
 
-def _ties(stretches: Sequence[Stretch], own: Sequence[Array], n_shapes: int) -> Array:
+def _ties(parts: Sequence[_Part], n_runs: int, n_shapes: int) -> Array:
     """Priors of all coefficients.
 
-    What all runs have in common belongs to the model's error, which the shapes carry.
+    What all runs have in common belongs to the model's error, which the shapes carry: their own
+    add up to nothing, each by what it shows, else one that shows nothing would make up for others.
     """
-    moves = np.zeros((1 + max(s.run for s in stretches), own[0].shape[1]))
-    for s, departed in zip(stretches, own, strict=True):
-        moves[s.run] = np.maximum(moves[s.run], np.any(departed != 0.0, axis=0))
-    common = _TIED * np.hstack([np.zeros((moves.shape[1], n_shapes)), *map(np.diag, moves)])
+    shown = np.zeros((n_runs, parts[0].columns.shape[1] - n_shapes))
+    for part in parts:
+        shown[part.run] += np.sum(part.columns[:, n_shapes:] ** 2, axis=0)
+    shown /= np.maximum(shown.max(axis=0), 1e-300)
+    common = _TIED * np.hstack([np.zeros((shown.shape[1], n_shapes)), *map(np.diag, shown)])
     return np.asarray(np.eye(common.shape[1]) + common.T @ common)
 
 
@@ -201,6 +209,14 @@ def _moments(
     return grams, slopes
 
 
+def _left_out(grams: Array, slopes: Array) -> Iterator[tuple[Array, Array, Array]]:
+    """Yield each fold's gram, the covariance that the others leave, and the score beyond them."""
+    total, slope = grams.sum(axis=0) + np.eye(grams.shape[1]), slopes.sum(axis=0)
+    for gram, own in zip(grams, slopes, strict=True):
+        covariance = np.linalg.inv(total - gram)
+        yield gram, covariance, own - gram @ (covariance @ (slope - own))
+
+
 def _between(groups: Sequence[str], grams: Array, slopes: Array) -> Array:
     """Deviation of a fold's coefficients beyond their error, in priors, by group.
 
@@ -208,12 +224,9 @@ def _between(groups: Sequence[str], grams: Array, slopes: Array) -> Array:
     out has the covariance G + G C G + τ² G_g G_gᵀ for the group's columns; the trace gives τ².
     """
     names = np.array(groups)
-    total, slope = grams.sum(axis=0) + np.eye(grams.shape[1]), slopes.sum(axis=0)
     extra = np.zeros(names.size)
     above = {g: [0.0, 0.0, 0.0] for g in dict.fromkeys(groups)}
-    for gram, own in zip(grams, slopes, strict=True):
-        covariance = np.linalg.inv(total - gram)
-        score = own - gram @ (covariance @ (slope - own))
+    for gram, covariance, score in _left_out(grams, slopes):
         for g, sums in above.items():
             at = np.flatnonzero(names == g)
             block = gram[:, at]
@@ -226,3 +239,28 @@ def _between(groups: Sequence[str], grams: Array, slopes: Array) -> Array:
         if excess > _CHANCE * np.sqrt(variance):
             extra[names == g] = np.sqrt(excess / scale)
     return extra
+
+
+def _beyond(extra: Array, grams: Array, slopes: Array) -> float:
+    """Return how many times the variance of what is learnt is larger than it says, at least 1.
+
+    A fold left out departs by d from what the others teach, in standard deviations, along each
+    direction of which it shows p times as much as they leave open: d² is (1 + s p) / (1 + p) on
+    average. What they hardly teach is learnt beside it: that its prior is wide says nothing of s.
+    """
+    more = np.zeros(grams.shape[1])
+    more[: extra.size] = extra**2
+    found = expected = 0.0
+    for gram, covariance, score in _left_out(grams, slopes):
+        variance, axes = np.linalg.eigh(covariance + np.diag(more))
+        taught = variance < _TAUGHT
+        unknown = np.diag(np.where(taught, 0.0, 1.0 / variance))
+        left, toward = beside(axes.T @ gram @ axes + unknown, axes.T @ score, taught)
+        unit = np.sqrt(variance[taught])
+        power, ways = np.linalg.eigh(unit[:, None] * left * unit)
+        shown = power > _SHOWN
+        power = power[shown]
+        square = (ways[:, shown].T @ (unit * toward)) ** 2 / (power * (1.0 + power))
+        found += float(np.sum(np.minimum(square, _OUTLYING) - 1.0 / (1.0 + power)))
+        expected += float(np.sum(power / (1.0 + power)))
+    return max(found / max(expected, 1e-12), 1.0)

@@ -197,6 +197,21 @@ def turning(stretch: Stretch) -> Array:
     return turns
 
 
+def held_back(stretch: Stretch) -> Array:
+    """Return the change of the settled speed where friction takes more of it, per unit, shape (N,).
+
+    Most near standstill, where the wave is a standing one; none at the highest speed.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    share = speed_share(stretch)
+    against: Array = -np.sign(share) * turning(stretch) * (1.0 - np.minimum(share**2, 1.0))
+    return against
+
+
 def detuned_rad_s(stretch: Stretch) -> Array:
     """Return the change of speed with the relative drive frequency, 0 where it is not known.
 

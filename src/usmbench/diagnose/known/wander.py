@@ -8,12 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.diagnose.cutting.warmth import TIME_CONSTANTS_S
 from usmbench.diagnose.known.shapes import (
     detuned_rad_s,
+    held_back,
     later_rad_s_per_s,
     shown,
     speed_share,
-    turning,
 )
 from usmbench.model.extended import Applied, extended_run
 from usmbench.model.linear import free_run
@@ -21,15 +22,16 @@ from usmbench.model.linear import free_run
 Array = NDArray[np.float64]
 
 # The gain, by how much more at one end of speeds, frequencies and torques, the lag in s, and the
-# shares of the highest speed that friction takes and that a rotor loses that sticks longer.
-LEAST = (3e-4, 5e-5, 3e-6, 2e-4, 2e-4)  # repeatability that one run cannot show
-ANY = (0.05, 0.01, 1e-4, 0.02, 0.02)  # any run may be off by this while the wander is learnt
-# Shares by which a run may warm otherwise than is known, since it starts at another temperature,
-# and by which a habit may be stronger: where the runs do not show it, and the least that they show.
-_WARMS, _WARMS_ALIKE = 0.25, 0.02  # not every plan is among them
+# shares of the highest speed that friction takes and that a rotor loses that sticks longer; gain,
+# friction and resonance again, by what they change otherwise as the motor warms.
+LEAST = (3e-4, 5e-5, 3e-6, 2e-4, 2e-4, 1e-3, 1e-3, 2e-5)  # repeatability that one run cannot show
+ANY = (0.05, 0.01, 1e-4, 0.02, 0.02, 0.01, 0.01, 2e-4)  # while the wander is learnt
+# Shares by which a habit may be stronger: where the runs do not show it, and the least they show.
 _STRONGER, _AS_STRONG = 0.1, 0.02
 _BEST_GAIN = 2e-4  # no bench repeats better than that
+_WARMS_ALIKE = 0.1  # of the least that one run cannot show
 _RESONANCE = 3e-6  # by which a fifth of a kelvin moves it: no bench starts warmer by less
+_CONSTANTS = len(TIME_CONSTANTS_S)
 _STICKING = (0.0, 0.02, 0.05)  # shares of the highest speed: from, most, to
 _STEP = 0.1  # of a habit's size, for its derivative
 
@@ -55,8 +57,11 @@ class Wander:
     held_back_rad_s
         Of the speed that friction takes near standstill, at each operating point: the edges of the
         dead zone move with it.
-    warms
-        Of what a run warms more or less than is known, and sooner or later, as shares.
+    warms_gain, warms_held_back_rad_s, warms_shift
+        Of what warming changes otherwise than is known, at each of the thermal time constants: the
+        gain, as a share; the speed that friction takes, where nothing is known of the resonance;
+        the resonance, as a share. A run starts at another temperature, and no two plans heat a
+        motor alike.
     habit_share
         Of how much stronger a run shows what healthy ones show anyhow, as a share.
     """
@@ -66,7 +71,9 @@ class Wander:
     late_s: float
     stuck_rad_s: float
     held_back_rad_s: tuple[float, ...]
-    warms: tuple[float, float]
+    warms_gain: float
+    warms_held_back_rad_s: float
+    warms_shift: float
     habit_share: float
 
     @property
@@ -74,7 +81,15 @@ class Wander:
         """In the order of the columns of `departures`, the resonance's among them, shape (W,)."""
         shares = (self.gain, *self.gain_tilt)
         rest = (self.late_s, _RESONANCE, self.stuck_rad_s, *self.held_back_rad_s)
-        return np.array([*shares, *rest, *self.warms, self.habit_share])
+        warms = (self.warms_gain, self.warms_held_back_rad_s, self.warms_shift)
+        return np.array([*shares, *rest, *np.repeat(warms, _CONSTANTS), self.habit_share])
+
+    @property
+    def kinds(self) -> NDArray[np.int64]:
+        """Which of the `deviations` are one and the same, as numbers from 0, shape (W,)."""
+        apart = 4 + len(self.gain_tilt) + len(self.held_back_rad_s)
+        times = np.r_[np.ones(apart, dtype=np.int64), np.full(3, _CONSTANTS), 1]
+        return np.repeat(np.arange(times.size), times)
 
     def to_mapping(self) -> dict[str, Any]:
         """Return what the model file keeps."""
@@ -84,7 +99,9 @@ class Wander:
             "late_s": self.late_s,
             "stuck_rad_s": self.stuck_rad_s,
             "held_back_rad_s": list(self.held_back_rad_s),
-            "warms": list(self.warms),
+            "warms_gain": self.warms_gain,
+            "warms_held_back_rad_s": self.warms_held_back_rad_s,
+            "warms_shift": self.warms_shift,
             "habit_share": self.habit_share,
         }
 
@@ -102,14 +119,15 @@ def wander_from_mapping(content: Mapping[str, Any]) -> Wander:
     KeyError, TypeError, ValueError
         A key is missing, or what it holds is no number.
     """
-    more, later = content["warms"]
     return Wander(
         float(content["gain"]),
         tuple(float(tilt) for tilt in content["gain_tilt"]),
         float(content["late_s"]),
         float(content["stuck_rad_s"]),
         tuple(float(held) for held in content["held_back_rad_s"]),
-        (float(more), float(later)),
+        float(content["warms_gain"]),
+        float(content["warms_held_back_rad_s"]),
+        float(content["warms_shift"]),
         float(content["habit_share"]),
     )
 
@@ -130,41 +148,41 @@ def wander_of_shares(
     n_places
         Whether these differ in frequency, in torque (1) or in both (2).
     """
-    gain, tilt, late_s, held_back, stuck = shares
+    gain, tilt, late_s, held, stuck, warms_gain, warms_held, warms_shift = shares
     return Wander(
         gain,
         (tilt,) * (1 + n_places),
         late_s,
         stuck * top_rad_s,
-        (held_back * top_rad_s,) * n_points,
-        (_WARMS, _WARMS),
+        (held * top_rad_s,) * n_points,
+        warms_gain,
+        warms_held * top_rad_s,
+        warms_shift,
         _STRONGER,
     )
 
 
-def departures(stretch: Stretch, warms_rad_s: Array, habits: Sequence[Applied]) -> Array:
+def departures(stretch: Stretch, habits: Sequence[Applied]) -> Array:
     """Return the change of speed with each thing that wanders, in columns of shape (N, W).
 
     The crests may be faster or slower, by a share of the speed. A jump may come later. Friction may
     hold the rotor back more or less: most near standstill, where the wave is a standing one, not at
     all at the highest speed, and at each operating point by another amount, since it is the
-    vibration that frees the rotor. A gain that wanders shows the latter, too: the rotor follows the
-    crests but for the slip, so that the gain is off by another share at the highest speed and at
-    another frequency or torque. A rotor that sticks may come free at a larger phase. The motor may
-    warm more, or later. And what healthy runs show anyhow may be stronger.
+    vibration that frees the rotor. A gain that wanders shows the latter, too: the
+    rotor follows the crests but for the slip, so that the gain is off by another share at the
+    highest speed and at another frequency or torque. A rotor that sticks may come free at a larger
+    phase. As the motor warms, gain, friction and resonance may change otherwise. And what healthy
+    runs show anyhow may be stronger.
 
     Parameters
     ----------
     stretch
         The stretch.
-    warms_rad_s
-        What it is known to change as it warms, and the same sooner or later, shape (N, 2).
     habits
         What healthy runs show anyhow.
     """
     share = speed_share(stretch)
-    against = -np.sign(share) * turning(stretch) * (1.0 - np.minimum(share**2, 1.0))
-    held_back = shown(stretch, np.column_stack(stretch.points) * against[:, None])
+    against = np.column_stack(stretch.points) * held_back(stretch)[:, None]
     stuck = -np.sign(share) * np.interp(np.abs(share), _STICKING, (0.0, 1.0, 0.0))
     linear, settled_rad_s = stretch.context.linear, stretch.settled_rad_s
     gain = stretch.simulated_rad_s
@@ -174,8 +192,11 @@ def departures(stretch: Stretch, warms_rad_s: Array, habits: Sequence[Applied]) 
     fast = 2.0 * np.minimum(np.abs(share), 1.0) - 1.0
     tilted = [gain * place for place in (fast, *stretch.places)]
     late, detuned = later_rad_s_per_s(stretch), detuned_rad_s(stretch)
-    starts, habit = (shown(stretch, stuck), held_back), _stronger(stretch, habits)
-    return np.column_stack((gain, *tilted, late, detuned, *starts, warms_rad_s, habit))
+    starts, habit = (shown(stretch, stuck), shown(stretch, against)), _stronger(stretch, habits)
+    # Where it is known, the resonance's move takes friction along.
+    held = starts[1].sum(axis=1) * (stretch.context.detuning_rad_s is None)
+    warms = [change * warmed for change in (gain, held, detuned) for warmed in stretch.warmth[0]]
+    return np.column_stack((gain, *tilted, late, detuned, *starts, *warms, habit))
 
 
 def _stronger(stretch: Stretch, habits: Sequence[Applied]) -> Array:
@@ -201,23 +222,40 @@ def lowest_shown(least: Wander) -> Wander:
     least
         What stands in where they do not show it.
     """
-    warms = (_WARMS_ALIKE, _WARMS_ALIKE)
-    return replace(least, gain=_BEST_GAIN, warms=warms, habit_share=_AS_STRONG)
+    return replace(
+        least,
+        gain=_BEST_GAIN,
+        warms_gain=_WARMS_ALIKE * least.warms_gain,
+        warms_held_back_rad_s=_WARMS_ALIKE * least.warms_held_back_rad_s,
+        warms_shift=_WARMS_ALIKE * least.warms_shift,
+        habit_share=_AS_STRONG,
+    )
 
 
-def wander_of_deviations(deviations: Array, n_tilts: int) -> Wander:
+def wander_of_deviations(deviations: Array, like: Wander) -> Wander:
     """Return the wander with given `Wander.deviations`.
 
     Parameters
     ----------
     deviations
         As `Wander.deviations` returns them, shape (W,).
-    n_tilts
-        How many of them are tilts of the gain.
+    like
+        A wander with as many of each.
     """
-    ends = 1 + n_tilts
-    gain, *gain_tilt = (float(d) for d in deviations[:ends])
-    late_s, _, stuck_rad_s, *held_back, more, later, habit = (float(d) for d in deviations[ends:])
+    first = np.unique(like.kinds, return_index=True)[1]
+    ends = 1 + len(like.gain_tilt)
+    gain, *gain_tilt = (float(d) for d in deviations[first[:ends]])
+    late_s, _, stuck_rad_s, *held_back, warms_gain, warms_held, warms_shift, habit = (
+        float(d) for d in deviations[first[ends:]]
+    )
     return Wander(
-        gain, tuple(gain_tilt), late_s, stuck_rad_s, tuple(held_back), (more, later), habit
+        gain,
+        tuple(gain_tilt),
+        late_s,
+        stuck_rad_s,
+        tuple(held_back),
+        warms_gain,
+        warms_held,
+        warms_shift,
+        habit,
     )

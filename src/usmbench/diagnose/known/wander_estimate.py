@@ -35,15 +35,17 @@ def measured_wander(widest: Wander, least: Wander, gram: Array, slope: Array) ->
     if slope.shape[0] < 2:
         return least
     apart = helmert(slope.shape[0])  # the mean belongs to the model
-    unit = widest.deviations
+    unit, kinds = widest.deviations, widest.kinds
     gram = np.einsum("kr,rvsw,ls->kvlw", apart, gram, apart) * unit[:, None, None] * unit
     slope = apart @ slope * unit
     floor = lowest_shown(least).deviations / unit
-    shown = (_determined(gram, slope, np.ones(unit.size))[1] > _FEWEST) & (floor < 1.0)
-    size = _likeliest(gram, slope, np.where(shown, 1.0, least.deviations / unit), shown, floor)
-    for which in np.tile(np.flatnonzero(shown), _SWEEPS):
-        size[which] = _plausible(gram, slope, size, int(which), float(floor[which]))
-    return wander_of_deviations(size * unit, len(least.gain_tilt))
+    shown = (_determined(gram, slope, np.ones(unit.size), kinds)[1] > _FEWEST) & (floor < 1.0)
+    size = np.where(shown, 1.0, least.deviations / unit)
+    size = _likeliest(gram, slope, size, shown, floor, kinds)
+    for kind in np.tile(np.unique(kinds[shown]), _SWEEPS):
+        which = kinds == kind
+        size[which] = _plausible(gram, slope, size, which, float(floor[which][0]))
+    return wander_of_deviations(size * unit, least)
 
 
 def beside(gram: Array, slope: Array, own: NDArray[np.bool_]) -> tuple[Array, Array]:
@@ -62,11 +64,16 @@ def beside(gram: Array, slope: Array, own: NDArray[np.bool_]) -> tuple[Array, Ar
 
 
 def _likeliest(
-    gram: Array, slope: Array, size: Array, shown: NDArray[np.bool_], floor: Array
+    gram: Array,
+    slope: Array,
+    size: Array,
+    shown: NDArray[np.bool_],
+    floor: Array,
+    kinds: NDArray[np.int64],
 ) -> Array:
     """Return the likeliest deviations, those that are not shown as they are, shape (W,)."""
     for _ in range(_MOST_ROUNDS):
-        square, determined = _determined(gram, slope, size)
+        square, determined = _determined(gram, slope, size, kinds)
         likely = np.maximum(np.sqrt(square / np.maximum(determined, 1e-12)), floor)
         before, size = size, np.where(shown, likely, size)
         if np.allclose(before, size, rtol=_AT_REST):
@@ -74,19 +81,24 @@ def _likeliest(
     return size
 
 
-def _determined(gram: Array, slope: Array, size: Array) -> tuple[Array, Array]:
-    """Return each departure's sum of squares, and how many values of it are determined, (W,)."""
+def _determined(
+    gram: Array, slope: Array, size: Array, kinds: NDArray[np.int64]
+) -> tuple[Array, Array]:
+    """Return each kind's sum of squares, and how many values of it are determined, (W,)."""
     n, variance = slope.size, np.tile(size**2, slope.shape[0])
     covariance = np.linalg.inv(gram.reshape(n, n) + np.diag(1.0 / variance))
     values = (covariance @ slope.ravel()).reshape(slope.shape)
     free = (1.0 - np.diag(covariance) / variance).reshape(slope.shape)
-    return np.sum(values**2, axis=0), np.sum(free, axis=0)
+    alike = kinds[:, None] == kinds
+    return alike @ np.sum(values**2, axis=0), alike @ np.sum(free, axis=0)
 
 
-def _plausible(gram: Array, slope: Array, size: Array, which: int, floor: float) -> float:
-    """Return what one departure's deviation is plausibly below, the others being as they are."""
+def _plausible(
+    gram: Array, slope: Array, size: Array, which: NDArray[np.bool_], floor: float
+) -> float:
+    """Return what one kind's deviation is plausibly below, the others being as they are."""
     n = slope.size
-    own = np.arange(n) % size.size == which
+    own = np.tile(which, slope.shape[0])
     known = np.where(own, 0.0, 1.0 / np.tile(size**2, slope.shape[0]))
     left, toward = beside(gram.reshape(n, n) + np.diag(known), slope.ravel(), own)
     power, ways = np.linalg.eigh(left)

@@ -52,7 +52,7 @@ def test_a_piece_of_a_long_run_is_as_warm_as_the_run_was(
     (whole,), _ = cut_runs([record], model, ())
     monkeypatch.setattr("usmbench.diagnose.cutting.cut_runs._MOST_WINDOWS", 4000)
     pieces, _ = cut_runs([record], model, ())
-    assert len(pieces) == 2
+    assert len(pieces) == 4
     assert (pieces[0].context.t_s[0], pieces[-1].context.t_s[-1]) == (t_s[0], t_s[-1])
     features = features_of([whole])
     heat = np.array(features.groups) == "heat"
@@ -61,6 +61,22 @@ def test_a_piece_of_a_long_run_is_as_warm_as_the_run_was(
         rows = np.searchsorted(t_s, piece.context.t_s)[piece.use]
         own = np.column_stack(list(features.columns(piece)))[piece.use][:, heat]
         assert own == pytest.approx(warmed[rows], abs=0.02 * np.max(np.abs(warmed)))
+
+
+def test_several_long_runs_leave_no_time_out(
+    model: HammersteinModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    n = 12_000
+    phase_deg = np.repeat(np.random.default_rng(6).uniform(-88.0, 88.0, n // 20), 20)
+    t_s, speed_rad_s = 0.01 * np.arange(1.0, n + 1.0), model.points[0].curve.speed_rad_s(phase_deg)
+    runs = [Record(f"run {k}", t_s, phase_deg, speed_rad_s, np.full(n, 0.01)) for k in range(8)]
+    monkeypatch.setattr("usmbench.diagnose.cutting.cut_runs._MOST_WINDOWS", 24_000)
+    pieces, _ = cut_runs(runs, model, ())
+    assert sum(s.context.n for s in pieces) == pytest.approx(24_000, rel=0.05)
+    begins_s = np.sort([s.context.t_s[0] for s in pieces])
+    # Three blocks of 10 s in each: together they leave no hole of an eighth of a run.
+    assert np.max(np.diff(begins_s)) - 10.0 < t_s[-1] / 8.0
+    assert max(s.context.t_s[-1] for s in pieces) == t_s[-1]
 
 
 @pytest.mark.parametrize("in_one_run", [True, False])

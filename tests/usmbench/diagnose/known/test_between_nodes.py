@@ -15,7 +15,7 @@ from usmbench.diagnose.known.features_of_runs import features_of
 from usmbench.diagnose.known.shapes import PHASE_NODES
 
 NODES_DEG = tuple(float(node) for node in np.linspace(-72.0, 72.0, PHASE_NODES))
-FEATURES = Features(NODES_DEG, 10.0, 40.0)
+FEATURES = Features(NODES_DEG, 10.0)
 N_SHAPES = len(FEATURES.groups)
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.features_of_runs import features_of
-from usmbench.diagnose.known.learning import Learnt, learn
+from usmbench.diagnose.known.learning import Learnt, covariance_root, learn
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 
 NOISE_RAD_S = 0.01
@@ -54,6 +54,51 @@ def test_what_runs_share_is_the_models_and_what_sets_them_apart_their_own(
     # The equations of what is their own lead to the same.
     gram = learnt.gram.reshape(4, 4) + np.eye(4)
     assert np.linalg.solve(gram, learnt.slope.ravel()) == pytest.approx(off, abs=0.15)
+
+
+def test_a_run_that_hardly_shows_a_departure_does_not_make_up_for_the_others(
+    stretches: list[Stretch],
+) -> None:
+    """What three runs show alike is the model's, though a fourth could take the opposite."""
+    whole = stretches[0]
+    features = features_of([whole])
+    shape = np.column_stack(list(features.columns(whole)))
+    rng = np.random.default_rng(7)
+    alike = GAIN * whole.simulated_rad_s
+    runs = [replace(whole, run=k, speed_rad_s=whole.simulated_rad_s + alike) for k in range(4)]
+    for run in runs:
+        run.speed_rad_s[:] += NOISE_RAD_S * rng.standard_normal(whole.context.n)
+    uses = [s.use for s in runs]
+    uses[3] = uses[3] & (np.arange(whole.context.n) < np.flatnonzero(uses[3])[3])
+    white = [NOISE_RAD_S * rng.standard_normal(s.context.n) for s in runs]
+    noise = estimate_noise(runs, white, [s.use for s in runs])
+    own = [alike[:, None]] * 4
+    learnt = learn(features, runs, [shape] * 4, noise, uses, own)
+    assert np.max(np.abs(learnt.runs[:3, 0])) < 0.1
+
+
+def test_what_is_learnt_is_as_unsure_as_runs_left_out_show(stretches: list[Stretch]) -> None:
+    whole = stretches[0]
+    features = features_of([whole])
+    shape = np.column_stack(list(features.columns(whole)))
+    variances = []
+    for times in (1.0, 2.0):
+        rng = np.random.default_rng(11)
+        scatter = NOISE_RAD_S * rng.standard_normal((2, whole.context.n))
+        runs = [
+            replace(whole, run=k, speed_rad_s=whole.simulated_rad_s + times * noisy)
+            for k, noisy in enumerate(scatter)
+        ]
+        uses = [s.use for s in runs]
+        noise = estimate_noise(runs, list(scatter), uses)
+        own = [GAIN * whole.simulated_rad_s[:, None]] * 2
+        learnt = learn(features, runs, [shape] * 2, noise, uses, own)
+        root = covariance_root(features, learnt)
+        variances.append(np.sum(root**2, axis=1) / features.prior**2)
+    # Of shapes that these runs do not show, no scatter tells.
+    shown = variances[0] < 0.3
+    assert np.count_nonzero(shown) > 10
+    assert np.median((variances[1] / variances[0])[shown]) > 2.0
 
 
 def test_one_run_alone_teaches_what_it_shows(stretches: list[Stretch]) -> None:

@@ -5,13 +5,14 @@ import pytest
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from usmbench.diagnose.known.wander import Wander
+from usmbench.diagnose.known.wander import Wander, wander_of_deviations
 from usmbench.diagnose.known.wander_estimate import beside, measured_wander
 
 Array = NDArray[np.float64]
-WIDEST = Wander(0.01, (1e-3, 2e-3), 1e-4, 0.02, (0.1, 0.2), (0.25, 0.25), 0.1)
-LEAST = Wander(3e-4, (5e-5, 5e-5), 3e-6, 1e-3, (1e-3, 1e-3), (0.25, 0.25), 0.1)
-DAY = np.array([1.0, 0.2, 0.5, 0.1, 0.0, 0.3, 2.0, 0.5, 0.4, 0.1, 0.5])
+WIDEST = Wander(0.01, (1e-3, 2e-3), 1e-4, 0.02, (0.1, 0.2), 0.01, 0.1, 1e-4, 0.1)
+LEAST = Wander(3e-4, (5e-5, 5e-5), 3e-6, 1e-3, (1e-3, 1e-3), 1e-3, 0.01, 1e-5, 0.1)
+N = WIDEST.deviations.size
+DAY = np.r_[1.0, 0.2, 0.5, 0.1, 0.0, 0.3, 2.0, 0.5, np.repeat([0.4, 0.1, 0.5], 5), 0.5]
 RUNS = np.array([DAY, -DAY])
 
 
@@ -23,7 +24,7 @@ def _equations(runs: Array, precision: Array) -> tuple[Array, Array]:
 
 def test_the_wander_is_the_spread_of_the_runs_and_what_their_number_leaves_open() -> None:
     runs = 0.3 * np.concatenate([RUNS, RUNS]) * WIDEST.deviations
-    found = measured_wander(WIDEST, LEAST, *_equations(runs, 1e14 * np.eye(11)))
+    found = measured_wander(WIDEST, LEAST, *_equations(runs, 1e14 * np.eye(N)))
     # Four values, three of them free.
     spread = 0.3 * 2.0 / np.sqrt(chi2.ppf(0.3, 3))
     assert found.gain == pytest.approx(0.01 * spread, rel=0.05)
@@ -33,7 +34,7 @@ def test_the_wander_is_the_spread_of_the_runs_and_what_their_number_leaves_open(
 
 def test_departures_that_no_run_can_show_stay_at_the_least() -> None:
     runs = np.concatenate([RUNS, RUNS]) * WIDEST.deviations
-    blind = np.eye(11)
+    blind = np.eye(N)
     blind[0, 0] = 0.0
     found = measured_wander(WIDEST, LEAST, *_equations(runs, 1e14 * blind))
     assert found.gain == LEAST.gain
@@ -47,7 +48,7 @@ def test_departures_that_look_alike_wander_by_no_more_than_they_do_together(alik
     together = []
     for seed in range(20):
         noise = np.random.default_rng(seed)
-        runs = noise.multivariate_normal(np.zeros(11), np.linalg.inv(precision), 4)
+        runs = noise.multivariate_normal(np.zeros(N), np.linalg.inv(precision), 4)
         found = measured_wander(WIDEST, LEAST, *_equations(runs, precision))
         shares = found.gain / WIDEST.gain, found.gain_tilt[0] / WIDEST.gain_tilt[0]
         together.append(np.hypot(*shares))
@@ -55,7 +56,16 @@ def test_departures_that_look_alike_wander_by_no_more_than_they_do_together(alik
 
 
 def test_one_run_shows_no_wander() -> None:
-    assert measured_wander(WIDEST, LEAST, np.zeros((1, 11, 1, 11)), np.zeros((1, 11))) == LEAST
+    assert measured_wander(WIDEST, LEAST, np.zeros((1, N, 1, N)), np.zeros((1, N))) == LEAST
+
+
+def test_all_thermal_time_constants_have_one_deviation() -> None:
+    drawn = np.random.default_rng(3).standard_normal((12, N))
+    found = measured_wander(WIDEST, LEAST, *_equations(drawn * WIDEST.deviations, 1e9 * np.eye(N)))
+    # Fifty-five values, so that little is left open.
+    assert found.warms_gain == pytest.approx(WIDEST.warms_gain, rel=0.2)
+    assert found.warms_shift == pytest.approx(WIDEST.warms_shift, rel=0.2)
+    assert wander_of_deviations(found.deviations, LEAST) == found
 
 
 def test_what_is_learnt_beside_leaves_the_same_solution() -> None:

@@ -1,0 +1,64 @@
+"""How warm a run has made the motor: powers, each through a set of thermal time constants.
+
+A stator and its housing are heat capacities in a row; each node's temperature is a sum of such
+responses, and a change of speed that goes by temperature is one, too. Constants half a decade apart
+leave of any from half a minute on no more than some thousandths.
+"""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from usmbench.runs.time_step import breaks
+
+Array = NDArray[np.float64]
+
+TIME_CONSTANTS_S = (10.0, 32.0, 100.0, 316.0, 1000.0)
+
+
+def warmth(
+    t_s: Array, window_s: float, powers: Sequence[Array], pieces: Sequence[NDArray[np.int64]]
+) -> list[Array]:
+    """Return what each power has warmed so far, cold at the start of the run.
+
+    Parameters
+    ----------
+    t_s
+        End of every window of a run, rising, shape (N,).
+    window_s
+        Length of a window.
+    powers
+        Powers in each window, shape (N,) each; those before a gap and after it are taken to have
+        met in it.
+    pieces
+        Rows that are asked for.
+
+    Returns
+    -------
+    list of Array
+        One a piece, in the power's unit: what it would be after long at this power, shape (powers,
+        `TIME_CONSTANTS_S`, rows).
+    """
+    found = [np.empty((len(powers), len(TIME_CONSTANTS_S), rows.size)) for rows in pieces]
+    parts = np.split(np.arange(t_s.size), breaks(t_s, window_s))
+    for p, power in enumerate(powers):
+        for k, constant_s in enumerate(TIME_CONSTANTS_S):
+            warm = np.concatenate(list(_through(t_s, window_s, power, constant_s, parts)))
+            for piece, rows in zip(found, pieces, strict=True):
+                piece[p, k] = warm[rows]
+    return found
+
+
+def _through(
+    t_s: Array, window_s: float, power: Array, constant_s: float, parts: Sequence[NDArray[np.int64]]
+) -> Iterator[Array]:
+    """Yield the response of a first-order lag, a part without a gap each."""
+    kept, warm, last_s = np.exp(-window_s / constant_s), 0.0, 0.0
+    for rows in parts:
+        heated, gap_s = power[rows], max(float(t_s[rows[0]]) - window_s - last_s, 0.0)
+        warm = heated[0] + (warm - heated[0]) * np.exp(-gap_s / constant_s)
+        response, _ = lfilter([1.0 - kept], [1.0, -kept], heated, zi=[kept * warm])
+        yield response
+        warm, last_s = float(response[-1]), float(t_s[rows[-1]])

@@ -1,0 +1,42 @@
+"""How warm a run has made the motor, against what heat capacities say."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from usmbench.diagnose.cutting.warmth import TIME_CONSTANTS_S, warmth
+
+WINDOW_S = 0.01
+
+
+@settings(deadline=None, max_examples=40)
+@given(power=st.floats(0.1, 100.0), gap_s=st.floats(0.0, 500.0), at=st.integers(1, 399))
+def test_a_steady_power_warms_by_an_exponential_whatever_is_missing(
+    power: float, gap_s: float, at: int
+) -> None:
+    t_s = WINDOW_S * np.arange(1.0, 401.0)
+    t_s[at:] += gap_s
+    rows = [np.arange(400), np.arange(300, 350)]
+    whole, piece = warmth(t_s, WINDOW_S, [np.full(400, power)], rows)
+    for k, constant_s in enumerate(TIME_CONSTANTS_S):
+        # Rounding to whole windows where the gap is too short to be one.
+        assert whole[0, k] == pytest.approx(-power * np.expm1(-t_s / constant_s), abs=2e-3 * power)
+    np.testing.assert_array_equal(piece, whole[:, :, 300:350])
+
+
+def test_half_a_decade_apart_leaves_little_of_any_constant_between() -> None:
+    t_s = 0.1 * np.arange(1.0, 2401.0)
+    (basis,) = warmth(t_s, 0.1, [np.ones(t_s.size)], [np.arange(t_s.size)])
+    columns = np.column_stack([np.ones(t_s.size), *basis[0]])
+    for constant_s in np.geomspace(30.0, 1000.0, 9):
+        course = -np.expm1(-t_s / constant_s)
+        share, *_ = np.linalg.lstsq(columns, course, rcond=None)
+        assert np.max(np.abs(columns @ share - course)) < 5e-3
+
+
+def test_powers_that_alternate_warm_by_their_mean() -> None:
+    t_s = WINDOW_S * np.arange(1.0, 20_001.0)
+    power = np.where(np.arange(t_s.size) % 2 == 0, 1.0, 3.0)
+    (warm,) = warmth(t_s, WINDOW_S, [power, np.full(t_s.size, 2.0)], [np.arange(t_s.size)])
+    assert warm[0] == pytest.approx(warm[1], abs=2e-3)
