@@ -99,11 +99,8 @@ def measure_knowledge(stretches: Sequence[Stretch], habits: Sequence[Applied] = 
     noise = estimate_noise(stretches, residuals, uses, fitted)
     left, masks = residuals, uses
     mean = np.zeros_like(features.prior)
-    widest, least = (
-        wander_of_shares(shares, features.top_rad_s, features.n_points, features.n_places)
-        for shares in (ANY, LEAST)
-    )
-    wander, apart = widest, [departures(s, habits) for s in stretches]
+    widest, least = (wander_of_shares(shares, features) for shares in (ANY, LEAST))
+    wander, apart = widest, [departures(s, habits, features.n_constants) for s in stretches]
     for _ in range(_ROUNDS):
         far = spiked(stretches, left, noise, near_steps=True)
         masks = [use & ~f for use, f in zip(uses, far, strict=True)]

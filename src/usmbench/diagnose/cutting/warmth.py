@@ -18,6 +18,17 @@ Array = NDArray[np.float64]
 TIME_CONSTANTS_S = (10.0, 32.0, 100.0, 316.0, 1000.0)
 
 
+def n_constants(lasts_s: float) -> int:
+    """Return how many of the constants runs tell apart: those shorter than they last, and one more.
+
+    Parameters
+    ----------
+    lasts_s
+        How long the longest of them lasts.
+    """
+    return min(int(np.searchsorted(TIME_CONSTANTS_S, lasts_s)) + 1, len(TIME_CONSTANTS_S))
+
+
 def warmth(
     t_s: Array, window_s: float, powers: Sequence[Array], pieces: Sequence[NDArray[np.int64]]
 ) -> list[Array]:

@@ -30,7 +30,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Stretch
-from usmbench.diagnose.cutting.warmth import TIME_CONSTANTS_S
 from usmbench.diagnose.known.shapes import (
     PHASE_NODES,
     detuned_rad_s,
@@ -51,7 +50,6 @@ from usmbench.model.polygon import hats
 
 Array = NDArray[np.float64]
 
-_WARMTHS = len(TIME_CONSTANTS_S)
 _LAG_GROUPS = tuple(f"lag {k}" for k in range(LAGS))
 GROUPS = (
     "phase",
@@ -94,6 +92,8 @@ class Features:
         Phases at which the curve's error is kept, rising: denser where it is steep or bends.
     top_rad_s
         Highest speed of the model.
+    n_constants
+        Number of thermal time constants that tell how it warms, from the shortest on.
     n_points
         Number of the model's operating points.
     n_places
@@ -108,6 +108,7 @@ class Features:
 
     nodes_deg: tuple[float, ...]
     top_rad_s: float
+    n_constants: int = 1
     n_points: int = 1
     n_places: int = 0
     steepest_rad_s: float | None = None
@@ -119,11 +120,11 @@ class Features:
         counts = [
             PHASE_NODES * self.n_points,
             PHASE_NODES,
-            _WARMTHS,
-            _WARMTHS,
-            (2 + self.n_places) * _WARMTHS,
-            0 if self.steepest_rad_s is None else 1 + 3 * _WARMTHS,
-            (1 + self.n_places) * _WARMTHS,
+            self.n_constants,
+            self.n_constants,
+            (2 + self.n_places) * self.n_constants,
+            0 if self.steepest_rad_s is None else 1 + 3 * self.n_constants,
+            (1 + self.n_places) * self.n_constants,
             1,
             *((1 + self.n_places) * n * n for n in CELLS),
             (1 + self.n_places) * N_NEAR_STANDSTILL + 1,
@@ -156,10 +157,10 @@ class Features:
             off = [column * weight for column in over_phase]
             yield from felt(stretch.context.linear, np.column_stack(off)).T
         yield from self._warming(stretch, speed)
-        held = shown(stretch, held_back(stretch))
+        held, (steady, *_, vibration) = shown(stretch, held_back(stretch)), self._warmth(stretch)
         yield from self._warming(stretch, held)
         for there in stretch.places:
-            yield from there * held * stretch.warmth[0]
+            yield from there * held * steady
         if self.steepest_rad_s is not None:
             # A shift that is there from the start is none of the phases': its sign differs
             # between the sides of the resonance.
@@ -167,12 +168,11 @@ class Features:
             yield moved
             yield from self._warming(stretch, moved)
             # The vibration heats, not the speed: it hangs on the frequency alone.
-            steady, *_, vibration = stretch.warmth
             yield from moved * (vibration / self.top_rad_s**2 - steady)
         wider = widening(stretch)
-        yield from wider * stretch.warmth[0]
+        yield from wider * steady
         for there in stretch.places:
-            yield from there * wider * stretch.warmth[0]
+            yield from there * wider * steady
         yield later_rad_s_per_s(stretch)
         yield from after_steps(stretch, self.top_rad_s)
         yield from near_standstill(stretch, self.top_rad_s)
@@ -186,9 +186,13 @@ class Features:
                     else speed * wave(harmonic * angle_rad)
                 )
 
+    def _warmth(self, stretch: Stretch) -> Array:
+        """Return the stretch's warmth at the constants that count, shape (3, C, N)."""
+        return stretch.warmth[:, : self.n_constants]
+
     def _warming(self, stretch: Stretch, shape: Array) -> Iterator[Array]:
         """Yield a shape times how long the motor is driven, and times the power taken so far."""
-        steady, speed, _ = stretch.warmth
+        steady, speed, _ = self._warmth(stretch)
         for warm in (steady, speed / self.top_rad_s - 0.5 * steady):
             yield from shape * warm
 
@@ -213,6 +217,7 @@ class Features:
         return {
             "nodes_deg": list(self.nodes_deg),
             "top_rad_s": self.top_rad_s,
+            "n_constants": self.n_constants,
             "n_points": self.n_points,
             "n_places": self.n_places,
             "steepest_rad_s": self.steepest_rad_s,

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.diagnose.cutting.warmth import n_constants
 from usmbench.diagnose.known.features import Features
 from usmbench.diagnose.known.shapes import phase_nodes, unheld_rad_s, unmeasured_rad_s
 
@@ -36,6 +37,7 @@ def features_of(stretches: Sequence[Stretch]) -> Features:
     return Features(
         nodes_deg,
         top_rad_s,
+        n_constants(max(float(s.context.t_s[-1]) for s in stretches)),
         len(stretches[0].points),
         len(stretches[0].places),
         _steepest_rad_s(stretches),

@@ -119,7 +119,7 @@ class Knowledge:
         for s in stretches:
             none = np.empty((s.context.n, 0))
             shapes = np.column_stack([none, *compress(self.features.columns(s), shaped)])
-            own = departures(s, habits)
+            own = departures(s, habits, self.wander.n_constants)
             between = between_nodes(s, self.features, off_rad_s)
             doubt = none if s.doubt_rad_s is None else s.doubt_rad_s
             apart = (own * (s.run == r) for r in runs)
@@ -197,6 +197,7 @@ def _features(content: dict[str, Any]) -> Features:
     return Features(
         nodes_deg,
         float(content["top_rad_s"]),
+        int(content["n_constants"]),
         int(content.get("n_points", 1)),
         int(content.get("n_places", 0)),
         None if steepest_rad_s is None else float(steepest_rad_s),
@@ -214,13 +215,14 @@ def _cautious(model: HammersteinModel) -> Knowledge:
     features = Features(
         phase_nodes(table_deg, speeds),
         max(float(np.max(np.abs(speeds))), 1e-9),
+        1,
         len(model.points),
         len(places_among(model.points, list(np.eye(len(model.points))))),
     )
     lags = {g: _CAUTIOUS_LAG for g in features.groups if g.startswith("lag")}
     deviation = {"phase": _CAUTIOUS_CURVE * noise_rad_s, **lags}
     groups = features.groups
-    wander = wander_of_shares(LEAST, features.top_rad_s, features.n_points, features.n_places)
+    wander = wander_of_shares(LEAST, features)
     return Knowledge(
         None,
         features,

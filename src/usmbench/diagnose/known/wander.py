@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Stretch
-from usmbench.diagnose.cutting.warmth import TIME_CONSTANTS_S
+from usmbench.diagnose.known.features import Features
 from usmbench.diagnose.known.shapes import (
     detuned_rad_s,
     held_back,
@@ -31,7 +31,6 @@ _STRONGER, _AS_STRONG = 0.1, 0.02
 _BEST_GAIN = 2e-4  # no bench repeats better than that
 _WARMS_ALIKE = 0.1  # of the least that one run cannot show
 _RESONANCE = 3e-6  # by which a fifth of a kelvin moves it: no bench starts warmer by less
-_CONSTANTS = len(TIME_CONSTANTS_S)
 _STICKING = (0.0, 0.02, 0.05)  # shares of the highest speed: from, most, to
 _STEP = 0.1  # of a habit's size, for its derivative
 
@@ -64,6 +63,8 @@ class Wander:
         motor alike.
     habit_share
         Of how much stronger a run shows what healthy ones show anyhow, as a share.
+    n_constants
+        Number of thermal time constants, from the shortest on.
     """
 
     gain: float
@@ -75,6 +76,7 @@ class Wander:
     warms_held_back_rad_s: float
     warms_shift: float
     habit_share: float
+    n_constants: int
 
     @property
     def deviations(self) -> Array:
@@ -82,13 +84,13 @@ class Wander:
         shares = (self.gain, *self.gain_tilt)
         rest = (self.late_s, _RESONANCE, self.stuck_rad_s, *self.held_back_rad_s)
         warms = (self.warms_gain, self.warms_held_back_rad_s, self.warms_shift)
-        return np.array([*shares, *rest, *np.repeat(warms, _CONSTANTS), self.habit_share])
+        return np.array([*shares, *rest, *np.repeat(warms, self.n_constants), self.habit_share])
 
     @property
     def kinds(self) -> NDArray[np.int64]:
         """Which of the `deviations` are one and the same, as numbers from 0, shape (W,)."""
         apart = 4 + len(self.gain_tilt) + len(self.held_back_rad_s)
-        times = np.r_[np.ones(apart, dtype=np.int64), np.full(3, _CONSTANTS), 1]
+        times = np.r_[np.ones(apart, dtype=np.int64), np.full(3, self.n_constants), 1]
         return np.repeat(np.arange(times.size), times)
 
     def to_mapping(self) -> dict[str, Any]:
@@ -103,6 +105,7 @@ class Wander:
             "warms_held_back_rad_s": self.warms_held_back_rad_s,
             "warms_shift": self.warms_shift,
             "habit_share": self.habit_share,
+            "n_constants": self.n_constants,
         }
 
 
@@ -129,40 +132,37 @@ def wander_from_mapping(content: Mapping[str, Any]) -> Wander:
         float(content["warms_held_back_rad_s"]),
         float(content["warms_shift"]),
         float(content["habit_share"]),
+        int(content["n_constants"]),
     )
 
 
-def wander_of_shares(
-    shares: tuple[float, ...], top_rad_s: float, n_points: int, n_places: int
-) -> Wander:
+def wander_of_shares(shares: tuple[float, ...], features: Features) -> Wander:
     """Return a wander that holds friction back alike at every operating point.
 
     Parameters
     ----------
     shares
         `LEAST` where nothing shows the wander, `ANY` to start from where it is learnt.
-    top_rad_s
-        Highest speed of the model.
-    n_points
-        Number of its operating points.
-    n_places
-        Whether these differ in frequency, in torque (1) or in both (2).
+    features
+        The model's shapes.
     """
+    top_rad_s = features.top_rad_s
     gain, tilt, late_s, held, stuck, warms_gain, warms_held, warms_shift = shares
     return Wander(
         gain,
-        (tilt,) * (1 + n_places),
+        (tilt,) * (1 + features.n_places),
         late_s,
         stuck * top_rad_s,
-        (held * top_rad_s,) * n_points,
+        (held * top_rad_s,) * features.n_points,
         warms_gain,
         warms_held * top_rad_s,
         warms_shift,
         _STRONGER,
+        features.n_constants,
     )
 
 
-def departures(stretch: Stretch, habits: Sequence[Applied]) -> Array:
+def departures(stretch: Stretch, habits: Sequence[Applied], n_constants: int) -> Array:
     """Return the change of speed with each thing that wanders, in columns of shape (N, W).
 
     The crests may be faster or slower, by a share of the speed. A jump may come later. Friction may
@@ -180,6 +180,8 @@ def departures(stretch: Stretch, habits: Sequence[Applied]) -> Array:
         The stretch.
     habits
         What healthy runs show anyhow.
+    n_constants
+        Number of thermal time constants, from the shortest on.
     """
     share = speed_share(stretch)
     against = np.column_stack(stretch.points) * held_back(stretch)[:, None]
@@ -193,9 +195,10 @@ def departures(stretch: Stretch, habits: Sequence[Applied]) -> Array:
     tilted = [gain * place for place in (fast, *stretch.places)]
     late, detuned = later_rad_s_per_s(stretch), detuned_rad_s(stretch)
     starts, habit = (shown(stretch, stuck), shown(stretch, against)), _stronger(stretch, habits)
+    steady = stretch.warmth[0, :n_constants]
     # Where it is known, the resonance's move takes friction along.
     held = starts[1].sum(axis=1) * (stretch.context.detuning_rad_s is None)
-    warms = [change * warmed for change in (gain, held, detuned) for warmed in stretch.warmth[0]]
+    warms = [change * warmed for change in (gain, held, detuned) for warmed in steady]
     return np.column_stack((gain, *tilted, late, detuned, *starts, *warms, habit))
 
 
@@ -258,4 +261,5 @@ def wander_of_deviations(deviations: Array, like: Wander) -> Wander:
         warms_held,
         warms_shift,
         habit,
+        like.n_constants,
     )

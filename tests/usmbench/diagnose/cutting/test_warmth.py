@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from usmbench.diagnose.cutting.warmth import TIME_CONSTANTS_S, warmth
+from usmbench.diagnose.cutting.warmth import TIME_CONSTANTS_S, n_constants, warmth
 
 WINDOW_S = 0.01
 
@@ -40,3 +40,8 @@ def test_powers_that_alternate_warm_by_their_mean() -> None:
     power = np.where(np.arange(t_s.size) % 2 == 0, 1.0, 3.0)
     (warm,) = warmth(t_s, WINDOW_S, [power, np.full(t_s.size, 2.0)], [np.arange(t_s.size)])
     assert warm[0] == pytest.approx(warm[1], abs=2e-3)
+
+
+@pytest.mark.parametrize(("lasts_s", "n"), [(5.0, 1), (20.0, 2), (60.0, 3), (240.0, 4), (1e5, 5)])
+def test_a_run_tells_no_constants_apart_that_are_far_longer(lasts_s: float, n: int) -> None:
+    assert n_constants(lasts_s) == n

@@ -127,7 +127,7 @@ def test_the_runs_show_how_much_their_warm_up_differs(plain: HammersteinModel) -
         shares.append(wander_from_mapping(model.residual["diagnosis"]).warms_gain)
     alike, otherwise = shares
     assert alike < 5e-4
-    # Their time constant is the shortest of five.
+    # Their time constant is the shortest of those that count.
     assert 0.2 < otherwise / (0.006 * np.std(off, ddof=1)) < 1.0
 
 
@@ -141,19 +141,19 @@ def test_a_habit_that_is_half_again_as_strong_is_half_of_its_departure(
     usual, stronger = (
         extended_run([grid, each], stretch.context).speed_rad_s for each in (sticking, more)
     )
-    habit = departures(stretch, [grid, sticking])[:, -1]
+    habit = departures(stretch, [grid, sticking], 2)[:, -1]
     runs_on = np.abs(stretch.settled_rad_s) > 0.5
     np.testing.assert_allclose(0.5 * habit[runs_on], (stronger - usual)[runs_on], atol=0.05)
     assert np.max(np.abs(habit[runs_on])) > 0.1
-    assert not np.any(departures(stretch, [grid])[:, -1])
-    assert not np.any(departures(stretch, [])[:, -1])
+    assert not np.any(departures(stretch, [grid], 2)[:, -1])
+    assert not np.any(departures(stretch, [], 2)[:, -1])
 
 
 def test_friction_takes_most_near_standstill_and_nothing_at_the_top(
     plain: HammersteinModel,
 ) -> None:
     (stretch,), _ = cut_runs([_driven(3, 1.0, 1.0)], plain, ())
-    gain, _, tilted, _, _, _, *held_back = departures(stretch, ()).T[:8]
+    gain, _, tilted, _, _, _, *held_back = departures(stretch, (), 2).T[:8]
     np.testing.assert_array_equal(gain, stretch.simulated_rad_s)
     np.testing.assert_array_equal(tilted, gain * stretch.places[0])
     calm, settled = stretch.lag > 8, stretch.settled_rad_s
@@ -167,5 +167,5 @@ def test_friction_takes_most_near_standstill_and_nothing_at_the_top(
 
 
 def test_the_wander_comes_back_from_the_model_file() -> None:
-    some = Wander(0.01, (1e-3, 2e-3), 1e-4, 0.02, (0.1, 0.2), 1e-3, 0.01, 1e-5, 0.1)
+    some = Wander(0.01, (1e-3, 2e-3), 1e-4, 0.02, (0.1, 0.2), 1e-3, 0.01, 1e-5, 0.1, 3)
     assert wander_from_mapping(some.to_mapping()) == some

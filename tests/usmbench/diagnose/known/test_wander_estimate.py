@@ -9,8 +9,8 @@ from usmbench.diagnose.known.wander import Wander, wander_of_deviations
 from usmbench.diagnose.known.wander_estimate import beside, measured_wander
 
 Array = NDArray[np.float64]
-WIDEST = Wander(0.01, (1e-3, 2e-3), 1e-4, 0.02, (0.1, 0.2), 0.01, 0.1, 1e-4, 0.1)
-LEAST = Wander(3e-4, (5e-5, 5e-5), 3e-6, 1e-3, (1e-3, 1e-3), 1e-3, 0.01, 1e-5, 0.1)
+WIDEST = Wander(0.01, (1e-3, 2e-3), 1e-4, 0.02, (0.1, 0.2), 0.01, 0.1, 1e-4, 0.1, 5)
+LEAST = Wander(3e-4, (5e-5, 5e-5), 3e-6, 1e-3, (1e-3, 1e-3), 1e-3, 0.01, 1e-5, 0.1, 5)
 N = WIDEST.deviations.size
 DAY = np.r_[1.0, 0.2, 0.5, 0.1, 0.0, 0.3, 2.0, 0.5, np.repeat([0.4, 0.1, 0.5], 5), 0.5]
 RUNS = np.array([DAY, -DAY])
