@@ -11,7 +11,8 @@ from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.features_of_runs import features_of
 from usmbench.diagnose.known.knowledge import KEY, Knowledge
-from usmbench.diagnose.known.learning import covariance_root, learn
+from usmbench.diagnose.known.learning import learn
+from usmbench.diagnose.known.left_out import covariance_root
 from usmbench.diagnose.known.wander import ANY, LEAST, departures, wander_of_shares
 from usmbench.diagnose.known.wander_estimate import measured_wander
 from usmbench.diagnose.naming.ranking import rank

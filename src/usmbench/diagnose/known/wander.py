@@ -168,10 +168,10 @@ def departures(stretch: Stretch, habits: Sequence[Applied], n_constants: int) ->
     The crests may be faster or slower, by a share of the speed. A jump may come later. Friction may
     hold the rotor back more or less: most near standstill, where the wave is a standing one, not at
     all at the highest speed, and at each operating point by another amount, since it is the
-    vibration that frees the rotor. A gain that wanders shows the latter, too: the
-    rotor follows the crests but for the slip, so that the gain is off by another share at the
-    highest speed and at another frequency or torque. A rotor that sticks may come free at a larger
-    phase. As the motor warms, gain, friction and resonance may change otherwise. And what healthy
+    vibration that frees the rotor. A gain that wanders shows the latter, too: the rotor follows the
+    crests but for the slip, so that the gain is off by another share at the highest speed and at
+    another frequency or torque. A rotor that sticks may come free at a larger phase. As the motor
+    warms, gain, friction and resonance may change otherwise. And what healthy
     runs show anyhow may be stronger.
 
     Parameters

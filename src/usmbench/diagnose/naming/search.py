@@ -30,7 +30,8 @@ from usmbench.model.extended import Applied
 Array = NDArray[np.float64]
 
 _MOSTLY = 0.9  # of what is unexplained
-_AS_QUIET = 1.01  # times the scatter: two that pass for one leave more
+# Times the scatter, which 5000 rows tell to that; two that pass for one leave more.
+_AS_QUIET = 1.01
 
 
 def search(
