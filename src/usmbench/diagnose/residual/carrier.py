@@ -8,9 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array, csr_array
+from scipy.sparse import csr_array
 
 from usmbench.diagnose.cutting.stretches import Mask
+from usmbench.diagnose.residual.columns import Columns
 
 Array = NDArray[np.float64]
 
@@ -27,8 +28,6 @@ class Carrier:
         Whitens all rows and keeps those that count, shape (R, N).
     background
         Whitened shapes on these, shape (R, S).
-    transposed
-        The same, shape (S, R).
     ways
         In which ways they may differ, shape (S, K).
     tension
@@ -36,13 +35,12 @@ class Carrier:
     """
 
     whitening: csr_array
-    background: csr_array
-    transposed: csc_array
+    background: Columns
     ways: Array
     tension: Array
 
     @classmethod
-    def of(cls, filter_: csr_array, background: csr_array, rows: Mask, root: Array) -> "Carrier":
+    def of(cls, filter_: csr_array, background: Columns, rows: Mask, root: Array) -> "Carrier":
         """Return the carrier of some rows.
 
         Parameters
@@ -56,12 +54,10 @@ class Carrier:
         root
             Square root of the shapes' covariance, shape (S, L).
         """
-        whitening, judged = filter_[rows], background[rows]
-        transposed = judged.T
-        alike = (transposed @ judged).toarray()
-        power, ways = np.linalg.eigh(root.T @ alike @ root)
+        whitening, judged = filter_[rows], background.of_rows(rows)
+        power, ways = np.linalg.eigh(root.T @ judged.gram @ root)
         shown = power > _HIDDEN
-        return cls(whitening, judged, transposed, root @ ways[:, shown], 1.0 + power[shown])
+        return cls(whitening, judged, root @ ways[:, shown], 1.0 + power[shown])
 
     def carried(self, signal: Array) -> Array:
         """Return a residual as the vector whose square is its deviance.
@@ -77,10 +73,9 @@ class Carrier:
             Shape (R + K,) or (R + K, M).
         """
         white = np.asarray(self.whitening @ signal)
-        shaped = np.asarray(self.transposed @ white)
-        beta = ((self.ways.T @ shaped).T / self.tension).T
+        beta = ((self.ways.T @ self.background.along(white)).T / self.tension).T
         carried: Array = np.concatenate([white, beta])
-        carried[: len(white)] -= self.background @ (self.ways @ beta)
+        carried[: len(white)] -= self.background.combined(self.ways @ beta)
         return carried
 
     def excuses(self, carried: Array) -> tuple[Array, float]:

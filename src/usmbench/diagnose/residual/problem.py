@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag as dense_blocks
-from scipy.sparse import block_diag, csr_array, diags_array, hstack
+from scipy.sparse import block_diag, csr_array, diags_array
 
 from usmbench.diagnose.cutting.stretches import Mask, Stretch
 from usmbench.diagnose.known.knowledge import Knowledge
@@ -21,6 +21,7 @@ from usmbench.diagnose.noise.chance_scatter import chance_scatter_rad_s
 from usmbench.diagnose.noise.noise_model import Noise
 from usmbench.diagnose.noise.whitening import memory_rows, whitening
 from usmbench.diagnose.residual.carrier import Carrier
+from usmbench.diagnose.residual.columns import Columns
 from usmbench.diagnose.residual.form import ROUGHLY, off_in_form
 from usmbench.diagnose.residual.free_runs import FreeRuns
 from usmbench.model.effects.base import PHYSICS
@@ -64,8 +65,7 @@ class Problem:
         self.residual_rad_s = [
             s.residual_rad_s - e for s, e in zip(self.stretches, self._expected_rad_s, strict=True)
         ]
-        shapes, self._root = known.background(self.stretches)
-        self._shapes = csr_array(np.concatenate(shapes))
+        self._shapes, self._root = self._no_news(self.stretches)
         self._weigh(noise, None)
         self._judge(masks)
 
@@ -261,7 +261,7 @@ class Problem:
         """
         asked = np.concatenate(rows)
         unsure = np.zeros(asked.size)
-        unsure[asked] = np.linalg.norm(np.asarray(self._shapes[asked] @ self._root), axis=1)
+        unsure[asked] = np.linalg.norm(self._shapes.of_rows(asked).combined(self._root), axis=1)
         return np.split(unsure, np.cumsum([mask.size for mask in rows])[:-1])
 
     def unsure_along(self, signal: Sequence[Array]) -> float:
@@ -272,7 +272,7 @@ class Problem:
         signal
             By stretch, in rad/s, shape (N,) each.
         """
-        return float(np.linalg.norm(self._root.T @ (self._shapes.T @ np.concatenate(signal))))
+        return float(np.linalg.norm(self._root.T @ self._shapes.along(np.concatenate(signal))))
 
     def excuses(self) -> tuple[Array, float]:
         """Return how far what is no news has to depart, and what this makes of the noise.
@@ -308,21 +308,26 @@ class Problem:
     def _also(self, shapes: Array, deviation: float, filter_: csr_array) -> "Problem":
         """Return the same problem with further shapes of one standard deviation."""
         root = dense_blocks(self._root, deviation * np.eye(shapes.shape[1]))
-        return self._altered(csr_array(hstack([self._shapes, csr_array(shapes)])), root, filter_)
+        return self._altered(self._shapes.beside(shapes), root, filter_)
 
     def _leaving(self, stretches: Sequence[Stretch]) -> "Problem":
         """Return the same problem with what is no news as these runs show it."""
-        shapes, root = self.known.background(stretches)
-        other = self._altered(csr_array(np.concatenate(shapes)), root, self._filter)
+        other = self._altered(*self._no_news(stretches), self._filter)
         other._expected_rad_s = [self.known.expected_rad_s(s) for s in stretches]
         parts = zip(self.residual_rad_s, self._expected_rad_s, other._expected_rad_s, strict=True)
         return other.measuring([left + before - now for left, before, now in parts])
 
-    def _altered(self, shapes: csr_array, root: Array, filter_: csr_array) -> "Problem":
+    def _no_news(self, stretches: Sequence[Stretch]) -> tuple[Columns, Array]:
+        """Return what is no news in runs, as shapes and the ways in which they may differ."""
+        shapes, root = self.known.background(stretches)
+        columns, order = Columns.of(np.concatenate(shapes))
+        return columns, root[order]
+
+    def _altered(self, shapes: Columns, root: Array, filter_: csr_array) -> "Problem":
         """Return the same runs with other shapes that are no news, and other weights."""
         other = copy(self)
         other._shapes, other._root, other._filter = shapes, root, filter_
-        other._background = filter_ @ shapes
+        other._background = shapes.filtered(filter_)
         other._judge(self.masks)
         return other
 
@@ -332,7 +337,7 @@ class Problem:
         self._filter = csr_array(block_diag([whitening(noise, s) for s in self.stretches]))
         if weights is not None:
             self._filter = csr_array(diags_array(np.concatenate(weights)) @ self._filter)
-        self._background = self._filter @ self._shapes
+        self._background = self._shapes.filtered(self._filter)
 
     def _judge(self, masks: Sequence[Mask]) -> None:
         """Take the rows that count, and on them what is no news, as far as it exceeds the noise."""
