@@ -1,10 +1,4 @@
-"""The whitened problem: how far a simulation is from the measurement, given all that is known.
-
-The residual's covariance is ``C = noise + Σ τ² u uᵀ``, where each column u is something that may
-differ without being news: the curve's own error, the steps' mean jitter, gain and friction of the
-run. U is kept as shapes, mostly zeros, and the ways in which they may differ together, which are
-not.
-"""
+"""The whitened problem: how far a simulation is from the measurement, given all that is known."""
 
 from collections.abc import Sequence
 from copy import copy
@@ -12,16 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag as dense_blocks
-from scipy.sparse import block_diag, csr_array, diags_array
 
 from usmbench.diagnose.cutting.stretches import Mask, Stretch
 from usmbench.diagnose.known.knowledge import Knowledge
 from usmbench.diagnose.noise.chance_scatter import chance_scatter_rad_s
 from usmbench.diagnose.noise.noise_model import Noise
-from usmbench.diagnose.noise.whitening import memory_rows, whitening
-from usmbench.diagnose.residual.carrier import Carrier
-from usmbench.diagnose.residual.columns import Columns
+from usmbench.diagnose.noise.whitening import memory_rows
+from usmbench.diagnose.residual.covariance import Covariance, whitened_by
 from usmbench.diagnose.residual.form import ROUGHLY, off_in_form
 from usmbench.diagnose.residual.free_runs import FreeRuns
 from usmbench.model.effects.base import PHYSICS
@@ -65,8 +56,9 @@ class Problem:
         self.residual_rad_s = [
             s.residual_rad_s - e for s, e in zip(self.stretches, self._expected_rad_s, strict=True)
         ]
-        self._shapes, self._root = self._no_news(self.stretches)
-        self._weigh(noise, None)
+        self.noise = noise
+        filter_ = whitened_by(noise, self.stretches, None)
+        self._covariance = Covariance.of(filter_, known, self.stretches)
         self._judge(masks)
 
     @property
@@ -94,7 +86,9 @@ class Problem:
             Factor on each whitened row of each stretch; None for 1.
         """
         other = copy(self)
-        other._weigh(noise, weights)
+        other.noise = noise
+        factors = None if weights is None else np.concatenate(weights)
+        other._covariance = self._covariance.by(whitened_by(noise, self.stretches, factors))
         other._judge(masks)
         return other
 
@@ -124,7 +118,7 @@ class Problem:
         off = [off_in_form(s, c, form_off) for s, c in zip(self.stretches, changes, strict=True)]
         level = np.concatenate([self.noise.level_rad_s(s) for s in self.stretches])
         kept = 1.0 / np.hypot(1.0, ROUGHLY * np.concatenate(changes) / level)
-        return self._also(np.concatenate(off), 1.0, csr_array(diags_array(kept) @ self._filter))
+        return self._where(self._covariance.also(np.concatenate(off), 1.0, kept))
 
     def freeing(self, effects: Sequence[Applied]) -> "Problem":
         """Return the same problem where effects may be there by any size.
@@ -134,7 +128,8 @@ class Problem:
         effects
             The effects, of a typical size.
         """
-        return self._also(np.concatenate(self.change_rad_s(effects))[:, None], _ANY, self._filter)
+        changes = np.concatenate(self.change_rad_s(effects))
+        return self._where(self._covariance.also(changes[:, None], _ANY))
 
     def showing(self, effects: Sequence[Applied]) -> "Problem":
         """Return the same problem of a motor that shows effects.
@@ -261,7 +256,7 @@ class Problem:
         """
         asked = np.concatenate(rows)
         unsure = np.zeros(asked.size)
-        unsure[asked] = np.linalg.norm(self._shapes.of_rows(asked).combined(self._root), axis=1)
+        unsure[asked] = self._covariance.unsure_rad_s(asked)
         return np.split(unsure, np.cumsum([mask.size for mask in rows])[:-1])
 
     def unsure_along(self, signal: Sequence[Array]) -> float:
@@ -272,7 +267,7 @@ class Problem:
         signal
             By stretch, in rad/s, shape (N,) each.
         """
-        return float(np.linalg.norm(self._root.T @ self._shapes.along(np.concatenate(signal))))
+        return self._covariance.unsure_along(np.concatenate(signal))
 
     def excuses(self) -> tuple[Array, float]:
         """Return how far what is no news has to depart, and what this makes of the noise.
@@ -305,46 +300,25 @@ class Problem:
         """
         return self._carrier.carried(np.concatenate(signal))
 
-    def _also(self, shapes: Array, deviation: float, filter_: csr_array) -> "Problem":
-        """Return the same problem with further shapes of one standard deviation."""
-        root = dense_blocks(self._root, deviation * np.eye(shapes.shape[1]))
-        return self._altered(self._shapes.beside(shapes), root, filter_)
-
     def _leaving(self, stretches: Sequence[Stretch]) -> "Problem":
         """Return the same problem with what is no news as these runs show it."""
-        other = self._altered(*self._no_news(stretches), self._filter)
+        other = self._where(Covariance.of(self._covariance.filter_, self.known, stretches))
         other._expected_rad_s = [self.known.expected_rad_s(s) for s in stretches]
         parts = zip(self.residual_rad_s, self._expected_rad_s, other._expected_rad_s, strict=True)
         return other.measuring([left + before - now for left, before, now in parts])
 
-    def _no_news(self, stretches: Sequence[Stretch]) -> tuple[Columns, Array]:
-        """Return what is no news in runs, as shapes and the ways in which they may differ."""
-        shapes, root = self.known.background(stretches)
-        columns, order = Columns.of(np.concatenate(shapes))
-        return columns, root[order]
-
-    def _altered(self, shapes: Columns, root: Array, filter_: csr_array) -> "Problem":
-        """Return the same runs with other shapes that are no news, and other weights."""
+    def _where(self, covariance: Covariance) -> "Problem":
+        """Return the same problem by another covariance."""
         other = copy(self)
-        other._shapes, other._root, other._filter = shapes, root, filter_
-        other._background = shapes.filtered(filter_)
+        other._covariance = covariance
         other._judge(self.masks)
         return other
 
-    def _weigh(self, noise: Noise, weights: Sequence[Array] | None) -> None:
-        """Take the noise, and what is no news beside it."""
-        self.noise = noise
-        self._filter = csr_array(block_diag([whitening(noise, s) for s in self.stretches]))
-        if weights is not None:
-            self._filter = csr_array(diags_array(np.concatenate(weights)) @ self._filter)
-        self._background = self._shapes.filtered(self._filter)
-
     def _judge(self, masks: Sequence[Mask]) -> None:
-        """Take the rows that count, and on them what is no news, as far as it exceeds the noise."""
+        """Take the rows that count."""
         self.masks = tuple(masks)
         self._valid = [self._whole(mask) for mask in self.masks]
-        rows = np.concatenate(self._valid)
-        self._carrier = Carrier.of(self._filter, self._background, rows, self._root)
+        self._carrier = self._covariance.carrier(np.concatenate(self._valid))
         self._take_residual()
 
     def _take_residual(self) -> None:
