@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from usmbench.diagnose.cutting.dead_zone import STANDING, highest_rad_s
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.model.effects.first_order import later
 from usmbench.model.hammerstein import LinearPart
@@ -18,7 +19,6 @@ _APART = 2e-5  # of the range: seven digits tell it
 _NUDGE = 1e-4  # of the slip at which the torque gives out, and of a window
 _TRACE = 1e-4  # of what a change begins with
 _HELD, _OPEN_END = 8, 0.05  # rows that hold an end of a curve; share of the highest speed
-_STANDING = 0.01  # of the highest speed: in the dead zone a fitted curve is not exactly 0
 
 
 def phase_nodes(phase_deg: Array, speeds_rad_s: Sequence[Array]) -> tuple[float, ...]:
@@ -160,19 +160,6 @@ def widening(stretch: Stretch) -> Array:
     return shown(stretch, moved - stretch.settled_rad_s)
 
 
-def highest_rad_s(stretch: Stretch) -> Array:
-    """Return the highest speed at each row's operating point, over the phases of the stretch.
-
-    Parameters
-    ----------
-    stretch
-        The stretch.
-    """
-    context = stretch.context
-    top_deg = context.phase_deg[np.argmax(np.abs(stretch.settled_rad_s))]
-    return np.abs(context.settled_rad_s(np.full(context.n, top_deg)))
-
-
 def speed_share(stretch: Stretch) -> Array:
     """Return the settled speed as a share of the highest at each row's operating point, shape (N,).
 
@@ -193,7 +180,7 @@ def turning(stretch: Stretch) -> Array:
     stretch
         The stretch.
     """
-    turns: Array = np.minimum(np.abs(speed_share(stretch)) / _STANDING, 1.0)
+    turns: Array = np.minimum(np.abs(speed_share(stretch)) / STANDING, 1.0)
     return turns
 
 

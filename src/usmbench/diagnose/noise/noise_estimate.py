@@ -7,8 +7,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from usmbench.diagnose.cutting.dead_zone import dead_zone_deg
 from usmbench.diagnose.cutting.stretches import Mask, Stretch
 from usmbench.diagnose.noise.colour import taken_by_fit
+from usmbench.diagnose.noise.levels import levels
 from usmbench.diagnose.noise.noise_model import (
     KINDS,
     LAGS,
@@ -20,15 +22,13 @@ from usmbench.diagnose.noise.noise_model import (
 )
 from usmbench.diagnose.noise.spikes import whole_count_rad_s
 from usmbench.identify.noise import autoregression
-from usmbench.identify.robust import OVER_MEDIAN
 
 Array = NDArray[np.float64]
 
 _SIZES, _FEWEST_OF_SIZE = 4, 8
 _HIGHEST_ORDER = 6
-_BINS = 16
+_AT_REST = 1e-3  # of the highest speed: of a rotor that creeps, single counts are seen
 _TRIMMED = 1.2  # what is left out above 97 % of a normal variable, and a little for heavier tails
-_LEAST_SHARE = 0.3  # of the middle noise level: a standing rotor shows none, yet is not exact
 _FEWEST_STARTS, _FEWEST_PAIRS, _FEWEST_QUIET = 20, 100, 50  # rows
 _QUIET_SHARE, _NO_STEP_RAD_S = 0.2, 1e-9  # of the rows of a rotor that turns
 _CALM, _FEWEST_CALM = 0.9, 500  # of the level; rows
@@ -63,12 +63,12 @@ def estimate_noise(
     use = np.concatenate(list(masks))
     error = np.concatenate(list(residuals))
     quiet = _quiet(stretches, use, lag, np.abs(step))
-    centres, sigma = _levels(phase_deg[quiet], error[quiet])
-    middle = float(np.median(sigma))
+    centres, sigma = levels(phase_deg[quiet], error[quiet], _dead_zone_deg(stretches))
+    calm, least = np.interp(phase_deg, centres, sigma), 2.0 * float(np.median(sigma))
     sizes, spreads = np.ones((LAGS, KINDS, _SIZES)), np.zeros((LAGS, KINDS, _SIZES))
     for k, c in np.ndindex(LAGS, KINDS):
-        rows = use & (lag == k) & (kind == c) & (np.abs(step) > 2.0 * middle)
-        sizes[k, c], spreads[k, c] = _by_size(np.abs(step[rows]), error[rows], middle)
+        rows = use & (lag == k) & (kind == c) & (np.abs(step) > least)
+        sizes[k, c], spreads[k, c] = _by_size(np.abs(step[rows]), error[rows], calm[rows])
     flat = Noise(
         centres, sigma, np.empty(0), 1.0, sizes, spreads, np.zeros(len(STARTS)), np.zeros(LAGS)
     )
@@ -97,28 +97,18 @@ def _quiet(stretches: Sequence[Stretch], use: Mask, lag: NDArray[np.int64], size
     return np.asarray(far | near | small)
 
 
-def _levels(phase_deg: Array, error: Array) -> tuple[Array, Array]:
-    """Robust standard deviation in bins of equal numbers of rows along the phase."""
-    n_bins = int(np.clip(phase_deg.size // 60, 1, _BINS))
-    centres, sigma = [], []
-    for rows in np.array_split(np.argsort(phase_deg, kind="stable"), n_bins):
-        centres.append(float(np.mean(phase_deg[rows])))
-        sigma.append(_spread(error[rows]))
-    order = np.argsort(centres)
-    levels = np.array(sigma)[order]
-    middle = max(float(np.sqrt(np.mean(levels**2))), 1e-9)
-    return np.array(centres)[order], np.maximum(levels, _LEAST_SHARE * middle)
+def _dead_zone_deg(stretches: Sequence[Stretch]) -> tuple[float, float]:
+    """Lowest and highest phase at which the rotor stands at every operating point."""
+    phase_deg = np.concatenate([s.context.phase_deg for s in stretches])
+    size_deg = np.concatenate([dead_zone_deg(s, _AT_REST) for s in stretches])
+    low, high = (
+        float(np.min(size_deg[way * phase_deg > 0.0], initial=180.0)) for way in (-1.0, 1.0)
+    )
+    return -low, high
 
 
-def _spread(values: Array) -> float:
-    """Robust standard deviation about 0: by the median, but not below the trimmed one."""
-    size = np.abs(values)
-    trimmed = values[size <= np.quantile(size, 0.98)]
-    return max(OVER_MEDIAN * float(np.median(size)), float(np.sqrt(np.mean(trimmed**2))))
-
-
-def _by_size(size_rad_s: Array, error: Array, sigma: float) -> tuple[Array, Array]:
-    """Sizes of steps, and the residual's spread there beyond the noise's."""
+def _by_size(size_rad_s: Array, error: Array, calm: Array) -> tuple[Array, Array]:
+    """Sizes of steps, and the residual's spread there beyond that far from steps."""
     n_bins = min(size_rad_s.size // _FEWEST_OF_SIZE, _SIZES)
     if n_bins == 0:
         return np.zeros(_SIZES), np.zeros(_SIZES)
@@ -127,7 +117,8 @@ def _by_size(size_rad_s: Array, error: Array, sigma: float) -> tuple[Array, Arra
         square = error[rows] ** 2
         kept = float(np.mean(square[square <= np.quantile(square, 0.97)]))
         sizes.append(float(np.mean(size_rad_s[rows])))
-        spreads.append(np.sqrt(max(_TRIMMED * kept - sigma**2, 0.0)))
+        beyond = _TRIMMED * kept - float(np.mean(calm[rows] ** 2))
+        spreads.append(np.sqrt(max(beyond, 0.0)))
     missing = _SIZES - n_bins
     return np.pad(sizes, (missing, 0), mode="edge"), np.pad(spreads, (missing, 0), mode="edge")
 

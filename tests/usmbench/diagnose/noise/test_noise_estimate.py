@@ -90,3 +90,16 @@ def test_where_the_phase_glides_the_noise_is_not_that_of_its_few_crests() -> Non
     left = np.where(crests, 0.1, 1.0) * NOISE_RAD_S * rng.standard_normal(stretch.context.n)
     noise = estimate_noise([stretch], [left], [stretch.use])
     assert np.median(noise.calm_rad_s(stretch)) == pytest.approx(NOISE_RAD_S, rel=0.3)
+
+
+def test_the_window_of_a_stop_is_noisier_than_a_rotor_that_stands() -> None:
+    """The shaft still turns in it, and brings its noise along: less than a running one has."""
+    rng = np.random.default_rng(9)
+    stretch = _stretch(np.where(np.arange(500) % 2, 0.0, rng.uniform(30.0, 80.0, 500)))
+    stands, stops = np.abs(stretch.settled_rad_s) < 1e-3, stretch.lag == 0
+    level_rad_s = np.where(stands, np.where(stops, 0.6, 0.3), 1.0) * NOISE_RAD_S
+    left = level_rad_s * rng.standard_normal(stretch.context.n)
+    noise = estimate_noise([stretch], [left], [stretch.use])
+    found = noise.level_rad_s(stretch)
+    assert np.median(found[stands & stops]) == pytest.approx(0.6 * NOISE_RAD_S, rel=0.2)
+    assert np.median(found[stands & ~stops]) == pytest.approx(0.3 * NOISE_RAD_S, rel=0.2)

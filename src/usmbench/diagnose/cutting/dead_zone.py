@@ -1,0 +1,46 @@
+"""Where a model's motor stands: the ends of its dead zone at each row's operating point."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.diagnose.cutting.stretches import Stretch
+
+Array = NDArray[np.float64]
+
+STANDING = 0.01
+"""Share of the highest speed: in the dead zone a fitted curve is not exactly 0."""
+_HALVINGS = 12  # of the range, to a fiftieth of a degree
+
+
+def highest_rad_s(stretch: Stretch) -> Array:
+    """Return the highest speed at each row's operating point, over the phases of the stretch.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    context = stretch.context
+    top_deg = context.phase_deg[np.argmax(np.abs(stretch.settled_rad_s))]
+    return np.abs(context.settled_rad_s(np.full(context.n, top_deg)))
+
+
+def dead_zone_deg(stretch: Stretch, stands: float = STANDING) -> Array:
+    """Return where the dead zone ends on the side of each row's phase, as a size, shape (N,).
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    stands
+        Share of the highest speed below which the rotor stands.
+    """
+    context = stretch.context
+    way, least_rad_s = np.sign(context.phase_deg), stands * highest_rad_s(stretch)
+    inside = np.zeros(context.n)
+    step_deg = float(np.max(np.abs(context.phase_deg)))
+    for _ in range(_HALVINGS):
+        step_deg *= 0.5
+        slow = np.abs(context.settled_rad_s(way * (inside + step_deg))) < least_rad_s
+        inside = np.where(slow, inside + step_deg, inside)
+    return inside
