@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 from usmbench.diagnose.cutting.command_times import any_moment_s, at_unknown_moments
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.diagnose.known.departures import departures
 from usmbench.diagnose.known.features_of_runs import features_of
 from usmbench.diagnose.known.knowledge import KEY, Knowledge
 from usmbench.diagnose.known.learning import learn
 from usmbench.diagnose.known.left_out import covariance_root
-from usmbench.diagnose.known.wander import ANY, LEAST, departures, wander_of_shares
+from usmbench.diagnose.known.wander import ANY, LEAST, wander_of_shares
 from usmbench.diagnose.known.wander_estimate import measured_wander
 from usmbench.diagnose.naming.ranking import rank
 from usmbench.diagnose.noise.noise_estimate import estimate_noise

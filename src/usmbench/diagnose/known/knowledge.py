@@ -15,13 +15,13 @@ from scipy.linalg import block_diag
 
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.between_nodes import between_nodes, deviations_rad_s
+from usmbench.diagnose.known.departures import departures
 from usmbench.diagnose.known.features import Features
 from usmbench.diagnose.known.shapes import phase_nodes
 from usmbench.diagnose.known.triangle_text import triangle_of, triangle_text
 from usmbench.diagnose.known.wander import (
     LEAST,
     Wander,
-    departures,
     wander_from_mapping,
     wander_of_shares,
 )
@@ -229,6 +229,8 @@ def _cautious(model: HammersteinModel) -> Knowledge:
         np.zeros(len(groups)),
         np.diag([deviation.get(g, 0.0) for g in groups]),
         # Of a warm-up it says nothing, nor that one differs from another.
-        replace(wander, warms_gain=0.0, warms_held_back_rad_s=0.0, warms_shift=0.0),
+        replace(
+            wander, warms_gain=0.0, warms_held_back_rad_s=0.0, warms_wider=0.0, warms_shift=0.0
+        ),
         stated_rad_s=noise_rad_s,
     )

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.cutting.dead_zone import STANDING, highest_rad_s
+from usmbench.diagnose.cutting.dead_zone import STANDING, dead_zone_deg, highest_rad_s
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.model.effects.first_order import later
 from usmbench.model.hammerstein import LinearPart
@@ -19,6 +19,7 @@ _APART = 2e-5  # of the range: seven digits tell it
 _NUDGE = 1e-4  # of the slip at which the torque gives out, and of a window
 _TRACE = 1e-4  # of what a change begins with
 _HELD, _OPEN_END = 8, 0.05  # rows that hold an end of a curve; share of the highest speed
+_NEAR_DEG, _FAR_DEG = 0.25, 5.0  # over which a slope is taken
 
 
 def phase_nodes(phase_deg: Array, speeds_rad_s: Sequence[Array]) -> tuple[float, ...]:
@@ -155,9 +156,13 @@ def widening(stretch: Stretch) -> Array:
         The stretch.
     """
     context = stretch.context
-    way = np.sign(context.phase_deg)
-    moved = context.settled_rad_s(context.phase_deg - way)
-    return shown(stretch, moved - stretch.settled_rad_s)
+    phase_deg, way = context.phase_deg, np.sign(context.phase_deg)
+    # A curve is smoother than the straight lines between its nodes, but not where it starts.
+    reach_deg = 0.5 * np.clip(np.abs(phase_deg) - dead_zone_deg(stretch), _NEAR_DEG, _FAR_DEG)
+    inward, outward = (
+        context.settled_rad_s(phase_deg + side * reach_deg * way) for side in (-1.0, 1.0)
+    )
+    return shown(stretch, (inward - outward) / (2.0 * reach_deg))
 
 
 def speed_share(stretch: Stretch) -> Array:

@@ -1,38 +1,73 @@
 """What differs from run to run though nothing is wrong: gain, lag, friction, warm-up, habits."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.features import Features
-from usmbench.diagnose.known.shapes import (
-    detuned_rad_s,
-    held_back,
-    later_rad_s_per_s,
-    shown,
-    speed_share,
-)
-from usmbench.model.extended import Applied, extended_run
-from usmbench.model.linear import free_run
 
 Array = NDArray[np.float64]
 
-# The gain, by how much more at one end of speeds, frequencies and torques, the lag in s, and the
-# shares of the highest speed that friction takes and that a rotor loses that sticks longer; gain,
-# friction and resonance again, by what they change otherwise as the motor warms.
-LEAST = (3e-4, 5e-5, 3e-6, 2e-4, 2e-4, 1e-3, 1e-3, 2e-5)  # repeatability that one run cannot show
-ANY = (0.05, 0.01, 1e-4, 0.02, 0.02, 0.01, 0.01, 2e-4)  # while the wander is learnt
 # Shares by which a habit may be stronger: where the runs do not show it, and the least they show.
 _STRONGER, _AS_STRONG = 0.1, 0.02
 _BEST_GAIN = 2e-4  # no bench repeats better than that
 _WARMS_ALIKE = 0.1  # of the least that one run cannot show
+_ONE_SIDED = 3e-4  # of the dead zone's width: nobody knows its ends better
 _RESONANCE = 3e-6  # by which a fifth of a kelvin moves it: no bench starts warmer by less
-_STICKING = (0.0, 0.02, 0.05)  # shares of the highest speed: from, most, to
-_STEP = 0.1  # of a habit's size, for its derivative
+
+
+class Shares(NamedTuple):
+    """Standard deviations from run to run, alike at every operating point.
+
+    Parameters
+    ----------
+    gain, tilt, late_s, stuck, wider, held
+        As in `Wander`; what is a speed there, as a share of the highest.
+    warms_gain, warms_held, warms_wider, warms_shift
+        The same.
+    """
+
+    gain: float
+    tilt: float
+    late_s: float
+    stuck: float
+    wider: float
+    held: float
+    warms_gain: float
+    warms_held: float
+    warms_wider: float
+    warms_shift: float
+
+
+LEAST = Shares(
+    gain=3e-4,
+    tilt=5e-5,
+    late_s=3e-6,
+    stuck=2e-4,
+    wider=1e-3,
+    held=2e-4,
+    warms_gain=1e-3,
+    warms_held=1e-3,
+    warms_wider=1e-3,
+    warms_shift=2e-5,
+)
+"""Repeatability that one run cannot show."""
+ANY = Shares(
+    gain=0.05,
+    tilt=0.01,
+    late_s=1e-4,
+    stuck=0.02,
+    wider=0.05,
+    held=0.02,
+    warms_gain=0.01,
+    warms_held=0.01,
+    warms_wider=0.05,
+    warms_shift=2e-4,
+)
+"""What it may be while it is learnt."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,14 +88,16 @@ class Wander:
     stuck_rad_s
         Of the speed lost where the dead zone ends: a rotor that sticks starts with a jump, on one
         day at a smaller phase than on another.
+    wider
+        Of the width of the dead zone, as a share.
     held_back_rad_s
         Of the speed that friction takes near standstill, at each operating point: the edges of the
         dead zone move with it.
-    warms_gain, warms_held_back_rad_s, warms_shift
+    warms_gain, warms_held_back_rad_s, warms_wider, warms_shift
         Of what warming changes otherwise than is known, at each of the thermal time constants: the
         gain, as a share; the speed that friction takes, where nothing is known of the resonance;
-        the resonance, as a share. A run starts at another temperature, and no two plans heat a
-        motor alike.
+        the dead zone, as a share of its width; the resonance, as a share. A run starts at another
+        temperature, and no two plans heat a motor alike.
     habit_share
         Of how much stronger a run shows what healthy ones show anyhow, as a share.
     n_constants
@@ -71,9 +108,11 @@ class Wander:
     gain_tilt: tuple[float, ...]
     late_s: float
     stuck_rad_s: float
+    wider: float
     held_back_rad_s: tuple[float, ...]
     warms_gain: float
     warms_held_back_rad_s: float
+    warms_wider: float
     warms_shift: float
     habit_share: float
     n_constants: int
@@ -82,15 +121,16 @@ class Wander:
     def deviations(self) -> Array:
         """In the order of the columns of `departures`, the resonance's among them, shape (W,)."""
         shares = (self.gain, *self.gain_tilt)
-        rest = (self.late_s, _RESONANCE, self.stuck_rad_s, *self.held_back_rad_s)
-        warms = (self.warms_gain, self.warms_held_back_rad_s, self.warms_shift)
+        dead_zone = (self.wider, _ONE_SIDED)
+        rest = (self.late_s, _RESONANCE, self.stuck_rad_s, *dead_zone, *self.held_back_rad_s)
+        warms = (self.warms_gain, self.warms_held_back_rad_s, self.warms_wider, self.warms_shift)
         return np.array([*shares, *rest, *np.repeat(warms, self.n_constants), self.habit_share])
 
     @property
     def kinds(self) -> NDArray[np.int64]:
         """Which of the `deviations` are one and the same, as numbers from 0, shape (W,)."""
-        apart = 4 + len(self.gain_tilt) + len(self.held_back_rad_s)
-        times = np.r_[np.ones(apart, dtype=np.int64), np.full(3, self.n_constants), 1]
+        apart = 6 + len(self.gain_tilt) + len(self.held_back_rad_s)
+        times = np.r_[np.ones(apart, dtype=np.int64), np.full(4, self.n_constants), 1]
         return np.repeat(np.arange(times.size), times)
 
     def to_mapping(self) -> dict[str, Any]:
@@ -100,9 +140,11 @@ class Wander:
             "gain_tilt": list(self.gain_tilt),
             "late_s": self.late_s,
             "stuck_rad_s": self.stuck_rad_s,
+            "wider": self.wider,
             "held_back_rad_s": list(self.held_back_rad_s),
             "warms_gain": self.warms_gain,
             "warms_held_back_rad_s": self.warms_held_back_rad_s,
+            "warms_wider": self.warms_wider,
             "warms_shift": self.warms_shift,
             "habit_share": self.habit_share,
             "n_constants": self.n_constants,
@@ -127,16 +169,18 @@ def wander_from_mapping(content: Mapping[str, Any]) -> Wander:
         tuple(float(tilt) for tilt in content["gain_tilt"]),
         float(content["late_s"]),
         float(content["stuck_rad_s"]),
+        float(content["wider"]),
         tuple(float(held) for held in content["held_back_rad_s"]),
         float(content["warms_gain"]),
         float(content["warms_held_back_rad_s"]),
+        float(content["warms_wider"]),
         float(content["warms_shift"]),
         float(content["habit_share"]),
         int(content["n_constants"]),
     )
 
 
-def wander_of_shares(shares: tuple[float, ...], features: Features) -> Wander:
+def wander_of_shares(shares: Shares, features: Features) -> Wander:
     """Return a wander that holds friction back alike at every operating point.
 
     Parameters
@@ -147,74 +191,20 @@ def wander_of_shares(shares: tuple[float, ...], features: Features) -> Wander:
         The model's shapes.
     """
     top_rad_s = features.top_rad_s
-    gain, tilt, late_s, held, stuck, warms_gain, warms_held, warms_shift = shares
     return Wander(
-        gain,
-        (tilt,) * (1 + features.n_places),
-        late_s,
-        stuck * top_rad_s,
-        (held * top_rad_s,) * features.n_points,
-        warms_gain,
-        warms_held * top_rad_s,
-        warms_shift,
+        shares.gain,
+        (shares.tilt,) * (1 + features.n_places),
+        shares.late_s,
+        shares.stuck * top_rad_s,
+        shares.wider,
+        (shares.held * top_rad_s,) * features.n_points,
+        shares.warms_gain,
+        shares.warms_held * top_rad_s,
+        shares.warms_wider,
+        shares.warms_shift,
         _STRONGER,
         features.n_constants,
     )
-
-
-def departures(stretch: Stretch, habits: Sequence[Applied], n_constants: int) -> Array:
-    """Return the change of speed with each thing that wanders, in columns of shape (N, W).
-
-    The crests may be faster or slower, by a share of the speed. A jump may come later. Friction may
-    hold the rotor back more or less: most near standstill, where the wave is a standing one, not at
-    all at the highest speed, and at each operating point by another amount, since it is the
-    vibration that frees the rotor. A gain that wanders shows the latter, too: the rotor follows the
-    crests but for the slip, so that the gain is off by another share at the highest speed and at
-    another frequency or torque. A rotor that sticks may come free at a larger phase. As the motor
-    warms, gain, friction and resonance may change otherwise. And what healthy
-    runs show anyhow may be stronger.
-
-    Parameters
-    ----------
-    stretch
-        The stretch.
-    habits
-        What healthy runs show anyhow.
-    n_constants
-        Number of thermal time constants, from the shortest on.
-    """
-    share = speed_share(stretch)
-    against = np.column_stack(stretch.points) * held_back(stretch)[:, None]
-    stuck = -np.sign(share) * np.interp(np.abs(share), _STICKING, (0.0, 1.0, 0.0))
-    linear, settled_rad_s = stretch.context.linear, stretch.settled_rad_s
-    gain = stretch.simulated_rad_s
-    if linear.slip_limit_rad_s is not None:  # which does not grow with it
-        limited_rad_s = free_run(linear, settled_rad_s, float(settled_rad_s[0]))
-        gain = gain - (limited_rad_s - shown(stretch, settled_rad_s))
-    fast = 2.0 * np.minimum(np.abs(share), 1.0) - 1.0
-    tilted = [gain * place for place in (fast, *stretch.places)]
-    late, detuned = later_rad_s_per_s(stretch), detuned_rad_s(stretch)
-    starts, habit = (shown(stretch, stuck), shown(stretch, against)), _stronger(stretch, habits)
-    steady = stretch.warmth[0, :n_constants]
-    # Where it is known, the resonance's move takes friction along.
-    held = starts[1].sum(axis=1) * (stretch.context.detuning_rad_s is None)
-    warms = [change * warmed for change in (gain, held, detuned) for warmed in steady]
-    return np.column_stack((gain, *tilted, late, detuned, *starts, *warms, habit))
-
-
-def _stronger(stretch: Stretch, habits: Sequence[Applied]) -> Array:
-    """Return the change of speed for each share by which habits are stronger, shape (N,)."""
-    if not habits:
-        return np.zeros(stretch.context.n)
-    more = [replace(h, values={**h.values, **_further(h)}) for h in habits]
-    usual, stronger = (extended_run(e, stretch.context).speed_rad_s for e in (habits, more))
-    return (stronger - usual) / _STEP
-
-
-def _further(habit: Applied) -> dict[str, float]:
-    """Sizes of a habit that is a little stronger."""
-    sized = (p for p in habit.effect.parameters if not p.scanned)
-    return {p.name: p.null + (1.0 + _STEP) * (habit.values[p.name] - p.null) for p in sized}
 
 
 def lowest_shown(least: Wander) -> Wander:
@@ -230,6 +220,7 @@ def lowest_shown(least: Wander) -> Wander:
         gain=_BEST_GAIN,
         warms_gain=_WARMS_ALIKE * least.warms_gain,
         warms_held_back_rad_s=_WARMS_ALIKE * least.warms_held_back_rad_s,
+        warms_wider=_WARMS_ALIKE * least.warms_wider,
         warms_shift=_WARMS_ALIKE * least.warms_shift,
         habit_share=_AS_STRONG,
     )
@@ -248,18 +239,21 @@ def wander_of_deviations(deviations: Array, like: Wander) -> Wander:
     first = np.unique(like.kinds, return_index=True)[1]
     ends = 1 + len(like.gain_tilt)
     gain, *gain_tilt = (float(d) for d in deviations[first[:ends]])
-    late_s, _, stuck_rad_s, *held_back, warms_gain, warms_held, warms_shift, habit = (
-        float(d) for d in deviations[first[ends:]]
+    late_s, _, stuck_rad_s, wider, _, *held_back = (float(d) for d in deviations[first[ends:-5]])
+    warms_gain, warms_held, warms_wider, warms_shift, habit_share = (
+        float(d) for d in deviations[first[-5:]]
     )
     return Wander(
         gain,
         tuple(gain_tilt),
         late_s,
         stuck_rad_s,
+        wider,
         tuple(held_back),
         warms_gain,
         warms_held,
+        warms_wider,
         warms_shift,
-        habit,
+        habit_share,
         like.n_constants,
     )

@@ -1,0 +1,83 @@
+"""How a run's speed departs with each thing that wanders."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.diagnose.cutting.dead_zone import dead_zone_deg
+from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.diagnose.known.shapes import (
+    detuned_rad_s,
+    held_back,
+    later_rad_s_per_s,
+    shown,
+    speed_share,
+    widening,
+)
+from usmbench.model.extended import Applied, extended_run
+from usmbench.model.linear import free_run
+
+Array = NDArray[np.float64]
+
+_STICKING = (0.0, 0.02, 0.05)  # shares of the highest speed: from, most, to
+_STEP = 0.1  # of a habit's size, for its derivative
+
+
+def departures(stretch: Stretch, habits: Sequence[Applied], n_constants: int) -> Array:
+    """Return the change of speed with each thing that wanders, in columns of shape (N, W).
+
+    The crests may be faster or slower, by a share of the speed. A jump may come later. Friction may
+    hold the rotor back more or less: most near standstill, where the wave is a standing one, not at
+    all at the highest speed, and at each operating point by another amount, since it is the
+    vibration that frees the rotor. A gain that wanders shows the latter, too: the rotor follows the
+    crests but for the slip, so that the gain is off by another share at the highest speed and at
+    another frequency or torque. A rotor that sticks may come free at a larger phase, and the dead
+    zone be wider, whatever makes it so. As the motor warms, gain, friction, dead zone and resonance
+    may change otherwise. And what healthy runs show anyhow may be stronger.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    habits
+        What healthy runs show anyhow.
+    n_constants
+        Number of thermal time constants, from the shortest on.
+    """
+    share = speed_share(stretch)
+    against = np.column_stack(stretch.points) * held_back(stretch)[:, None]
+    stuck = -np.sign(share) * np.interp(np.abs(share), _STICKING, (0.0, 1.0, 0.0))
+    linear, settled_rad_s = stretch.context.linear, stretch.settled_rad_s
+    gain = stretch.simulated_rad_s
+    if linear.slip_limit_rad_s is not None:  # which does not grow with it
+        limited_rad_s = free_run(linear, settled_rad_s, float(settled_rad_s[0]))
+        gain = gain - (limited_rad_s - shown(stretch, settled_rad_s))
+    fast = 2.0 * np.minimum(np.abs(share), 1.0) - 1.0
+    tilted = [gain * place for place in (fast, *stretch.places)]
+    late, detuned = later_rad_s_per_s(stretch), detuned_rad_s(stretch)
+    starts, habit = (shown(stretch, stuck), shown(stretch, against)), _stronger(stretch, habits)
+    wider = widening(stretch) * dead_zone_deg(stretch)
+    steady = stretch.warmth[0, :n_constants]
+    # Where it is known, the resonance's move takes friction along.
+    held = starts[1].sum(axis=1) * (stretch.context.detuning_rad_s is None)
+    warms = [change * warmed for change in (gain, held, wider, detuned) for warmed in steady]
+    sides = (wider, wider * np.sign(stretch.context.phase_deg))
+    apart = (gain, *tilted, late, detuned, starts[0], *sides, starts[1])
+    return np.column_stack((*apart, *warms, habit))
+
+
+def _stronger(stretch: Stretch, habits: Sequence[Applied]) -> Array:
+    """Return the change of speed for each share by which habits are stronger, shape (N,)."""
+    if not habits:
+        return np.zeros(stretch.context.n)
+    more = [replace(h, values={**h.values, **_further(h)}) for h in habits]
+    usual, stronger = (extended_run(e, stretch.context).speed_rad_s for e in (habits, more))
+    return (stronger - usual) / _STEP
+
+
+def _further(habit: Applied) -> dict[str, float]:
+    """Sizes of a habit that is a little stronger."""
+    sized = (p for p in habit.effect.parameters if not p.scanned)
+    return {p.name: p.null + (1.0 + _STEP) * (habit.values[p.name] - p.null) for p in sized}

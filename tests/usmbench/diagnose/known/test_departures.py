@@ -1,0 +1,53 @@
+"""How a run's speed departs with what wanders."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.usmbench.diagnose.known.wandering_motor import driven, slipping_motor
+from usmbench.diagnose.cutting.cut_runs import cut_runs
+from usmbench.diagnose.known.departures import departures
+from usmbench.model.effects.registry import find_effect
+from usmbench.model.extended import Applied, extended_run
+from usmbench.model.hammerstein import HammersteinModel
+
+
+@pytest.fixture(scope="module")
+def plain() -> HammersteinModel:
+    return slipping_motor()
+
+
+def test_a_habit_that_is_half_again_as_strong_is_half_of_its_departure(
+    plain: HammersteinModel,
+) -> None:
+    (stretch,), _ = cut_runs([driven(1, 1.0, 1.0)], plain, ())
+    grid = Applied(find_effect("phase_quantisation", "rounded"), {"step_deg": 0.1})
+    sticking = Applied(find_effect("stick_slip", ""), {"lost_rad_s": 0.2, "fades_rad_s": 2.0})
+    more = replace(sticking, values={**sticking.values, "lost_rad_s": 0.3})
+    usual, stronger = (
+        extended_run([grid, each], stretch.context).speed_rad_s for each in (sticking, more)
+    )
+    habit = departures(stretch, [grid, sticking], 2)[:, -1]
+    runs_on = np.abs(stretch.settled_rad_s) > 0.5
+    np.testing.assert_allclose(0.5 * habit[runs_on], (stronger - usual)[runs_on], atol=0.05)
+    assert np.max(np.abs(habit[runs_on])) > 0.1
+    assert not np.any(departures(stretch, [grid], 2)[:, -1])
+    assert not np.any(departures(stretch, [], 2)[:, -1])
+
+
+def test_friction_takes_most_near_standstill_and_nothing_at_the_top(
+    plain: HammersteinModel,
+) -> None:
+    (stretch,), _ = cut_runs([driven(3, 1.0, 1.0)], plain, ())
+    gain, _, tilted, _, _, _, _, _, *held_back = departures(stretch, (), 2).T[:10]
+    np.testing.assert_array_equal(gain, stretch.simulated_rad_s)
+    np.testing.assert_array_equal(tilted, gain * stretch.places[0])
+    calm, settled = stretch.lag > 8, stretch.settled_rad_s
+    for held, weight in zip(held_back, stretch.points, strict=True):
+        slowed = -held * np.sign(settled)
+        there = calm & (weight == 1.0)
+        assert np.max(np.abs(held[calm & (weight == 0.0)])) < 0.01
+        assert np.min(slowed[there & (np.abs(settled) > 0.5) & (np.abs(settled) < 2.0)]) > 0.9
+        assert np.max(np.abs(held[there & (np.abs(settled) < 1e-3)]), initial=0.0) < 0.02
+        assert np.max(slowed[there & (np.abs(settled) > 0.999 * np.max(np.abs(settled)))]) < 0.1
