@@ -186,8 +186,9 @@ def _warnings(held: _Held) -> Iterator[str]:
         yield from left_unnamed(found.problem, found.fit.effects, found.spread)
     if held.verdict == "no_discrepancy":
         yield from left_aside(found)
-    else:
-        yield from long_warming(found.problem.stretches)
+    wander = found.problem.known.wander
+    if wander.knows_warming:
+        yield from long_warming(found.problem.stretches, wander.n_constants)
 
 
 def _causes(held: _Held) -> list[NamedCause]:

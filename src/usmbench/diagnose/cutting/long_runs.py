@@ -1,35 +1,46 @@
-"""Runs that last longer than those that the naming of causes is measured on."""
+"""Runs that last longer than those that showed how their motor warms."""
 
 from collections.abc import Sequence
 
 from usmbench.diagnose.cutting.stretches import Stretch
-
-# Runs of a minute, what precedes their plan included: those of benchmarks/naming_campaign.py.
-_MEASURED_S = 70.0
+from usmbench.diagnose.cutting.warmth import n_constants
 
 
-def long_warming(stretches: Sequence[Stretch]) -> list[str]:
-    """Say in which runs a motor may have warmed otherwise than its model knows.
+def lasts_s(stretches: Sequence[Stretch]) -> dict[str, float]:
+    """Return how long each run lasts, by its name.
 
     Parameters
     ----------
     stretches
         The runs.
+    """
+    begins_s: dict[str, float] = {}
+    found: dict[str, float] = {}
+    for s in stretches:
+        begin_s = begins_s.setdefault(s.name, float(s.context.t_s[0]))
+        found[s.name] = float(s.context.t_s[-1]) - begin_s
+    return found
+
+
+def long_warming(stretches: Sequence[Stretch], n_known: int) -> list[str]:
+    """Say in which runs a motor may have warmed further than its model knows.
+
+    Parameters
+    ----------
+    stretches
+        The runs.
+    n_known
+        How many thermal time constants the model knows.
 
     Returns
     -------
     list of str
         One warning a run.
     """
-    begins_s: dict[str, float] = {}
-    lasts_s: dict[str, float] = {}
-    for s in stretches:
-        begin_s = begins_s.setdefault(s.name, float(s.context.t_s[0]))
-        lasts_s[s.name] = float(s.context.t_s[-1]) - begin_s
     return [
-        f"{name}: over {last_s:.0f} s a motor warms by more than over the minute of the campaigns, "
-        "and some healthy ones have got names, thermal_drift above all; see whether runs of a "
-        "minute say the same, with a model identified on such runs"
-        for name, last_s in lasts_s.items()
-        if last_s > _MEASURED_S
+        f"{name}: {last_s:.0f} s are longer than the runs of the model, so that it does not know "
+        "how the motor warms in the end: what looks like that is no news; identify a model on runs "
+        "as long"
+        for name, last_s in lasts_s(stretches).items()
+        if n_constants(last_s) > n_known
     ]

@@ -1,12 +1,12 @@
 """How a run's speed departs with each thing that wanders."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.cutting.dead_zone import dead_zone_deg
+from usmbench.diagnose.cutting.dead_zone import dead_zone_deg, highest_rad_s
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.shapes import (
     detuned_rad_s,
@@ -16,6 +16,7 @@ from usmbench.diagnose.known.shapes import (
     speed_share,
     widening,
 )
+from usmbench.diagnose.known.wander import ANY
 from usmbench.model.extended import Applied, extended_run
 from usmbench.model.linear import free_run
 
@@ -47,25 +48,66 @@ def departures(stretch: Stretch, habits: Sequence[Applied], n_constants: int) ->
         Number of thermal time constants, from the shortest on.
     """
     share = speed_share(stretch)
-    against = np.column_stack(stretch.points) * held_back(stretch)[:, None]
     stuck = -np.sign(share) * np.interp(np.abs(share), _STICKING, (0.0, 1.0, 0.0))
+    gain, held, wider, detuned = changes = _changes(stretch)
+    fast = 2.0 * np.minimum(np.abs(share), 1.0) - 1.0
+    tilted = [gain * place for place in (fast, *stretch.places)]
+    sides = (wider, wider * np.sign(stretch.context.phase_deg))
+    apart = (later_rad_s_per_s(stretch), detuned, shown(stretch, stuck), *sides, held)
+    warms = _warming(stretch, changes, slice(0, n_constants))
+    return np.column_stack((gain, *tilted, *apart, *warms, _stronger(stretch, habits)))
+
+
+def unwatched_warming(stretch: Stretch, n_known: int, n_lasts: int) -> Array:
+    """Return what a motor may do as it warms for longer than was watched, shape (N, K).
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    n_known
+        Number of thermal time constants that runs have shown.
+    n_lasts
+        The same of those that run now.
+
+    Returns
+    -------
+    Array
+        One column a standard deviation, in rad/s.
+    """
+    if n_lasts <= n_known:
+        return np.empty((stretch.context.n, 0))
+    gain, held, wider, detuned = _changes(stretch)
+    sized = (
+        ANY.warms_gain * gain,
+        ANY.warms_held * float(np.max(highest_rad_s(stretch))) * held,
+        ANY.warms_wider * wider,
+        ANY.warms_shift * detuned,
+    )
+    # The longest of those shown stood in for all that are longer.
+    return np.column_stack(list(_warming(stretch, sized, slice(n_known - 1, n_lasts))))
+
+
+def _changes(stretch: Stretch) -> tuple[Array, Array, Array, Array]:
+    """Change with the gain, with friction at each point, with the dead zone and the resonance."""
     linear, settled_rad_s = stretch.context.linear, stretch.settled_rad_s
     gain = stretch.simulated_rad_s
     if linear.slip_limit_rad_s is not None:  # which does not grow with it
         limited_rad_s = free_run(linear, settled_rad_s, float(settled_rad_s[0]))
         gain = gain - (limited_rad_s - shown(stretch, settled_rad_s))
-    fast = 2.0 * np.minimum(np.abs(share), 1.0) - 1.0
-    tilted = [gain * place for place in (fast, *stretch.places)]
-    late, detuned = later_rad_s_per_s(stretch), detuned_rad_s(stretch)
-    starts, habit = (shown(stretch, stuck), shown(stretch, against)), _stronger(stretch, habits)
-    wider = widening(stretch) * dead_zone_deg(stretch)
-    steady = stretch.warmth[0, :n_constants]
+    held = shown(stretch, np.column_stack(stretch.points) * held_back(stretch)[:, None])
+    return gain, held, widening(stretch) * dead_zone_deg(stretch), detuned_rad_s(stretch)
+
+
+def _warming(
+    stretch: Stretch, changes: tuple[Array, Array, Array, Array], constants: slice
+) -> Iterator[Array]:
+    """Yield changes, times how long the motor is driven, through thermal lags, shape (N,) each."""
+    gain, held, wider, detuned = changes
     # Where it is known, the resonance's move takes friction along.
-    held = starts[1].sum(axis=1) * (stretch.context.detuning_rad_s is None)
-    warms = [change * warmed for change in (gain, held, wider, detuned) for warmed in steady]
-    sides = (wider, wider * np.sign(stretch.context.phase_deg))
-    apart = (gain, *tilted, late, detuned, starts[0], *sides, starts[1])
-    return np.column_stack((*apart, *warms, habit))
+    friction = held.sum(axis=1) * (stretch.context.detuning_rad_s is None)
+    for change in (gain, friction, wider, detuned):
+        yield from change * stretch.warmth[0, constants]
 
 
 def _stronger(stretch: Stretch, habits: Sequence[Applied]) -> Array:

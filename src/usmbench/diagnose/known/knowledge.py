@@ -13,9 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
+from usmbench.diagnose.cutting.long_runs import lasts_s
 from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.diagnose.cutting.warmth import n_constants
 from usmbench.diagnose.known.between_nodes import between_nodes, deviations_rad_s
-from usmbench.diagnose.known.departures import departures
+from usmbench.diagnose.known.departures import departures, unwatched_warming
 from usmbench.diagnose.known.features import Features
 from usmbench.diagnose.known.shapes import phase_nodes
 from usmbench.diagnose.known.triangle_text import triangle_of, triangle_text
@@ -115,6 +117,7 @@ class Knowledge:
         free = self.root != 0.0
         shaped, ways = np.any(free, axis=1), np.any(free, axis=0)
         off_rad_s = deviations_rad_s(self.features, self.mean, self.root)
+        lasts = n_constants(max(lasts_s(stretches).values())) if self.wander.knows_warming else 0
         found = []
         for s in stretches:
             none = np.empty((s.context.n, 0))
@@ -122,8 +125,9 @@ class Knowledge:
             own = departures(s, habits, self.wander.n_constants)
             between = between_nodes(s, self.features, off_rad_s)
             doubt = none if s.doubt_rad_s is None else s.doubt_rad_s
+            further = unwatched_warming(s, self.wander.n_constants, lasts)
             apart = (own * (s.run == r) for r in runs)
-            found.append(np.column_stack([shapes, between, doubt, *apart]))
+            found.append(np.column_stack([shapes, between, doubt, further, *apart]))
         wanders = np.diag(np.tile(self.wander.deviations, len(runs)))
         known = self.root[np.ix_(shaped, ways)]
         unsure = np.eye(found[0].shape[1] - known.shape[0] - wanders.shape[0])

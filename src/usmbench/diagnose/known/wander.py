@@ -118,6 +118,11 @@ class Wander:
     n_constants: int
 
     @property
+    def knows_warming(self) -> bool:
+        """Whether runs have shown how the motor warms."""
+        return self.warms_gain > 0.0
+
+    @property
     def deviations(self) -> Array:
         """In the order of the columns of `departures`, the resonance's among them, shape (W,)."""
         shares = (self.gain, *self.gain_tilt)

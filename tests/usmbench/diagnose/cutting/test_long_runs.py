@@ -1,4 +1,4 @@
-"""Runs that last longer than those that naming is measured on."""
+"""Runs that last longer than those that showed how their motor warms."""
 
 from dataclasses import replace
 
@@ -9,11 +9,14 @@ from usmbench.diagnose.cutting.long_runs import long_warming
 from usmbench.diagnose.cutting.stretches import Stretch
 
 
-@pytest.mark.parametrize(("apart_s", "warns"), [(0.34, False), (0.36, True)])
-def test_a_long_run_says_that_its_warm_up_is_not_known(
-    stretches: list[Stretch], apart_s: float, warns: bool
+@pytest.mark.parametrize(("lasts_s", "warns"), [(70.0, False), (99.0, False), (120.0, True)])
+def test_a_run_says_that_its_model_was_not_watched_as_long(
+    stretches: list[Stretch], lasts_s: float, warns: bool
 ) -> None:
     (stretch,) = stretches
-    t_s = 1000.0 + apart_s * np.arange(200.0)  # a clock need not begin at 0
-    warnings = long_warming([replace(stretch, context=replace(stretch.context, t_s=t_s))])
+    t_s = 1000.0 + np.linspace(0.0, lasts_s, 200)  # a clock need not begin at 0
+    long = replace(stretch, context=replace(stretch.context, t_s=t_s))
+    # Of lags of 10, 32 and 100 s.
+    warnings = long_warming([long], 3)
     assert [stretch.name in words for words in warnings] == [True] * warns
+    assert not long_warming([long], 4)

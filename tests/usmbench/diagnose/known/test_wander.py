@@ -93,15 +93,27 @@ def test_a_dead_zone_that_wanders_is_no_news_however_the_rotor_starts(rises: flo
         assert diagnose([_starting(seed, rises, wider)], model).verdict == "no_discrepancy"
 
 
-def _starting(seed: int, rises: float, wider: float) -> Record:
+def test_to_warm_for_longer_than_was_watched_is_no_drift() -> None:
+    days = [_starting(k, 1.0, 1.0, warms=0.008) for k in range(10, 14)]
+    model = with_knowledge(identify_fast(days, FastOptions()).model, days)
+    for seed in (1, 2):
+        found = diagnose([_starting(seed, 1.0, 1.0, warms=0.008, lasts_s=240.0)], model)
+        assert "thermal_drift" not in {cause.name for cause in found.causes}
+        assert any("how the motor warms" in words for words in found.warnings)
+
+
+def _starting(
+    seed: int, rises: float, wider: float, *, warms: float = 0.0, lasts_s: float = 30.0
+) -> Record:
     """Return a run of a motor that starts at 9 degrees one way and at 13 the other."""
     rng = np.random.default_rng(seed)
-    phase_deg = np.repeat(rng.uniform(-88.0, 88.0, 300), 10)
+    phase_deg = np.repeat(rng.uniform(-88.0, 88.0, round(10.0 * lasts_s)), 10)
+    t_s = WINDOW_S * np.arange(1.0, phase_deg.size + 1.0)
     way = np.sign(phase_deg)
     beyond_deg = np.maximum(np.abs(phase_deg) - wider * np.where(way > 0.0, 9.0, 13.0), 0.0)
     settled = 10.0 * way * np.tanh((beyond_deg / 25.0) ** rises)
+    settled *= 1.0 + warms * np.expm1(-t_s / 300.0)
     speed = free_run(LINEAR, settled) + NOISE_RAD_S * rng.standard_normal(phase_deg.size)
-    t_s = WINDOW_S * np.arange(1.0, phase_deg.size + 1.0)
     return Record(f"run {seed}", t_s, phase_deg, speed, np.full(phase_deg.size, WINDOW_S))
 
 
