@@ -96,7 +96,7 @@ def draw(seed: int, number: int, cause: str, times_noise: float) -> Outcome:
         for path in references:
             _measure(Path(path), motor, how, how.reference_deg(rng), Wrong(), rng)
         _measure(folder / "measured.csv", motor, how, phase_deg, wrong, rng)
-        names, verdict = _diagnosed(folder, references)
+        names, verdict = diagnosed(folder, references)
     return Outcome(cause, times_noise, how, names, verdict)
 
 
@@ -144,8 +144,16 @@ def _measure(
     write_csv(path, phase_deg, noisy, angle_rad, how.window_s)
 
 
-def _diagnosed(folder: Path, references: Sequence[str]) -> tuple[tuple[tuple[str, ...], ...], str]:
-    """Names with their alternatives, and the verdict."""
+def diagnosed(folder: Path, references: Sequence[str]) -> tuple[tuple[tuple[str, ...], ...], str]:
+    """Return names with their alternatives, and the verdict on `measured.csv`.
+
+    Parameters
+    ----------
+    folder
+        Where that is.
+    references
+        Files to identify the model from.
+    """
     model, result = str(folder / "model.yaml"), folder / "result.json"
     measured = str(folder / "measured.csv")
     said = io.StringIO()

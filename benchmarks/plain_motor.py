@@ -21,8 +21,11 @@ CURVES: dict[str, Callable[[Array], Array]] = {
     "smooth": np.tanh,
     "ramp": lambda beyond: np.clip(beyond / 1.3, -1.0, 1.0),
     "exponential": lambda beyond: np.sign(beyond) * -np.expm1(-np.abs(beyond)),
+    "steep": lambda beyond: np.sign(beyond) * np.sqrt(np.tanh(np.abs(beyond))),
+    "gentle": lambda beyond: np.sign(beyond) * np.tanh(np.abs(beyond)) ** 1.5,
 }
 """Speed over the highest, by how many reaches the phase is beyond the dead zone."""
+_SATURATING = ("smooth", "ramp", "exponential")  # each starts at a corner
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +117,7 @@ def motor_of_any_curve(rng: np.random.Generator) -> PlainMotor:
     rng
         Where chance comes from.
     """
-    return replace(motor_of(rng), curve=str(rng.choice(list(CURVES))))
+    return replace(motor_of(rng), curve=str(rng.choice(_SATURATING)))
 
 
 def speed_rad_s(

@@ -1,0 +1,42 @@
+"""Healthy motors on other days: a few of them, and what the benchmark makes of them."""
+
+import numpy as np
+import pytest
+
+from benchmarks.healthy_days import Healthy, draw, on_a_day, report
+from benchmarks.plain_motor import CURVES, PlainMotor
+
+MOTOR = PlainMotor((8.0, 12.0), 25.0, 10.0, 0.003, "steep")
+
+
+def test_a_dead_zone_that_wanders_gets_no_name_however_the_motor_starts() -> None:
+    found = [draw(71, 2 * len(CURVES) + k) for k in range(len(CURVES))]
+    assert {h.wander for h in found} == {0.01}
+    passes_for_it = {"load_torque", "phase_offset", "gain_asymmetry", "amplitude_droop"}
+    assert not any(passes_for_it & set(h.names) for h in found)
+
+
+def test_both_ends_of_a_dead_zone_move_by_the_same_share() -> None:
+    rng = np.random.default_rng(2)
+    days = [on_a_day(MOTOR, 0.01, rng) for _ in range(400)]
+    widths = np.array([day.edges_deg for day in days]) / MOTOR.edges_deg
+    assert widths[:, 0] == pytest.approx(widths[:, 1])
+    assert np.std(widths[:, 0]) == pytest.approx(0.01, rel=0.15)
+    assert on_a_day(MOTOR, 0.0, rng) == MOTOR
+
+
+@pytest.mark.parametrize("curve", ["steep", "gentle"])
+def test_a_motor_starts_steeply_or_gently_and_alike_both_ways(curve: str) -> None:
+    beyond = np.array([0.01, 0.1, 1.0, 10.0])
+    speeds = CURVES[curve](beyond)
+    assert np.all((speeds[:2] > beyond[:2]) == (curve == "steep"))
+    assert speeds[-1] == pytest.approx(1.0)
+    np.testing.assert_array_equal(CURVES[curve](-beyond), -speeds)
+
+
+def test_an_alarm_is_listed_with_its_names(capsys: pytest.CaptureFixture[str]) -> None:
+    quiet = Healthy(0.003, "ramp", "no_discrepancy", ())
+    report([quiet, Healthy(0.01, "steep", "explained", ("load_torque",))])
+    said = capsys.readouterr().out
+    assert "all               50.0" in said
+    assert "steep, 1 %: explained load_torque" in said
