@@ -37,10 +37,10 @@ def dead_zone_deg(stretch: Stretch, stands: float = STANDING) -> Array:
     """
     context = stretch.context
     way, least_rad_s = np.sign(context.phase_deg), stands * highest_rad_s(stretch)
-    inside = np.zeros(context.n)
+    inside_deg = np.zeros(context.n)
     step_deg = float(np.max(np.abs(context.phase_deg)))
     for _ in range(_HALVINGS):
         step_deg *= 0.5
-        slow = np.abs(context.settled_rad_s(way * (inside + step_deg))) < least_rad_s
-        inside = np.where(slow, inside + step_deg, inside)
-    return inside
+        slow = np.abs(context.settled_rad_s(way * (inside_deg + step_deg))) < least_rad_s
+        inside_deg = np.where(slow, inside_deg + step_deg, inside_deg)
+    return inside_deg

@@ -117,15 +117,17 @@ class Knowledge:
         free = self.root != 0.0
         shaped, ways = np.any(free, axis=1), np.any(free, axis=0)
         off_rad_s = deviations_rad_s(self.features, self.mean, self.root)
-        lasts = n_constants(max(lasts_s(stretches).values())) if self.wander.knows_warming else 0
+        n_known, n_lasting = self.wander.n_constants, 0
+        if self.wander.knows_warming:
+            n_lasting = n_constants(max(lasts_s(stretches).values()))
         found = []
         for s in stretches:
             none = np.empty((s.context.n, 0))
             shapes = np.column_stack([none, *compress(self.features.columns(s), shaped)])
-            own = departures(s, habits, self.wander.n_constants)
+            own = departures(s, habits, n_known)
             between = between_nodes(s, self.features, off_rad_s)
             doubt = none if s.doubt_rad_s is None else s.doubt_rad_s
-            further = unwatched_warming(s, self.wander.n_constants, lasts)
+            further = unwatched_warming(s, n_known, n_lasting)
             apart = (own * (s.run == r) for r in runs)
             found.append(np.column_stack([shapes, between, doubt, further, *apart]))
         wanders = np.diag(np.tile(self.wander.deviations, len(runs)))

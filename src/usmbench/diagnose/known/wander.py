@@ -24,10 +24,12 @@ class Shares(NamedTuple):
 
     Parameters
     ----------
-    gain, tilt, late_s, stuck, wider, held
-        As in `Wander`; what is a speed there, as a share of the highest.
-    warms_gain, warms_held, warms_wider, warms_shift
-        The same.
+    gain, tilt, wider, warms_gain, warms_wider, warms_shift
+        Shares, as in `Wander`.
+    late_s
+        In s.
+    stuck, held, warms_held
+        What are speeds in `Wander`, as shares of the highest.
     """
 
     gain: float

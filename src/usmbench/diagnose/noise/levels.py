@@ -13,16 +13,16 @@ _LEAST_SHARE = 0.3  # of the middle level: a standing rotor shows none, yet is n
 
 
 def levels(
-    phase_deg: Array, error: Array, dead_zone_deg: tuple[float, float]
+    phase_deg: Array, error_rad_s: Array, dead_zone_deg: tuple[float, float]
 ) -> tuple[Array, Array]:
-    """Return phases, rising, and the robust standard deviation at each, shape (K,).
+    """Return phases, rising, and the robust standard deviation there in rad/s, shape (K,) each.
 
     A bin has rows of a rotor that turns, or of one that stands; the level passes from the one to
     the other at the end of the dead zone, wherever the nearest phases are that were driven.
 
     Parameters
     ----------
-    phase_deg, error
+    phase_deg, error_rad_s
         Phases, and what is left there, shape (N,).
     dead_zone_deg
         Lowest and highest phase at which the rotor stands.
@@ -39,11 +39,11 @@ def levels(
         if n_rows < _FEWEST:
             continue
         n_own = max(1, round(n_bins * n_rows / phase_deg.size))
-        centres, sizes = _binned(phase_deg[rows], error[rows], n_own)
+        centres, sizes = _binned(phase_deg[rows], error_rad_s[rows], n_own)
         nodes += [begin_deg, *centres, end_deg]
         sigma += [sizes[0], *sizes, sizes[-1]]
     if not nodes:
-        nodes, sigma = map(list, _binned(phase_deg, error, n_bins))
+        nodes, sigma = map(list, _binned(phase_deg, error_rad_s, n_bins))
     within = np.isfinite(nodes)
     found_deg, level = np.array(nodes)[within], np.array(sigma)[within]
     middle = float(np.sqrt(np.mean(np.interp(phase_deg, found_deg, level) ** 2)))
