@@ -29,6 +29,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from usmbench.diagnose.cutting.dead_zone import dead_zone_deg
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.shapes import (
     PHASE_NODES,
@@ -74,7 +75,7 @@ PRIOR = {
     "heat": 1e-2,
     "friction": 1e-2,
     "resonance": 5e-2,
-    "edge": 0.2,
+    "edge": 2e-2,
     "late": 1e-4,
     **dict.fromkeys(_LAG_GROUPS, 0.05),
     "start": 0.2,
@@ -169,7 +170,7 @@ class Features:
             yield from self._warming(stretch, moved)
             # The vibration heats, not the speed: it hangs on the frequency alone.
             yield from moved * (vibration / self.top_rad_s**2 - steady)
-        wider = widening(stretch)
+        wider = widening(stretch) * dead_zone_deg(stretch)
         yield from wider * steady
         for there in stretch.places:
             yield from there * wider * steady
