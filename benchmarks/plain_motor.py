@@ -13,7 +13,8 @@ from scipy.signal import lfilter
 
 Array = NDArray[np.float64]
 
-_FINE = 40  # steps a window
+FINE = 40
+"""Steps a window."""
 _GLITCHES = 0.02  # share of windows
 _OFF_COUNT = 0.6  # of the highest speed: counts are lost above
 
@@ -35,20 +36,20 @@ class PlainMotor:
     Parameters
     ----------
     edges_deg
-        Where the dead zone ends on both sides, as sizes.
+        Where the dead zone ends on both sides, as sizes; one each, or one a step.
     reach_deg
         How far beyond the speed saturates.
     top_rad_s
-        Highest speed.
+        Highest speed; one, or one a step.
     lag_s
         Time constant.
     curve
         How the speed saturates: one of `CURVES`.
     """
 
-    edges_deg: tuple[float, float]
+    edges_deg: tuple[float | Array, float | Array]
     reach_deg: float
-    top_rad_s: float
+    top_rad_s: float | Array
     lag_s: float
     curve: str = "smooth"
 
@@ -146,17 +147,17 @@ def speed_rad_s(
     sampled
         Whether the speed is read at the end of each window instead of averaged over it.
     """
-    step_s = window_s / _FINE
-    commanded_deg = _commanded(np.repeat(phase_deg, _FINE), step_s, wrong)
+    step_s = window_s / FINE
+    commanded_deg = _commanded(np.repeat(phase_deg, FINE), step_s, wrong)
     driven = _settled(motor, commanded_deg, step_s, wrong)
     kept = np.exp(-step_s / (motor.lag_s + wrong.of("slow_dynamics")))
     after = lfilter([1.0 - kept], [1.0, -kept], driven, zi=[kept * driven[0]])[0]
     fine = 0.5 * (after + np.r_[driven[0], after[:-1]])
     angle_rad = np.cumsum(fine) * step_s
     fine = fine * (1.0 + wrong.of("encoder_eccentricity") * np.cos(angle_rad + 1.0))
-    windows = fine.reshape(-1, _FINE)
+    windows = fine.reshape(-1, FINE)
     read = windows[:, -1] if sampled else windows.mean(axis=1)
-    return _counted(read, wrong, rng), angle_rad[_FINE - 1 :: _FINE]
+    return _counted(read, wrong, rng), angle_rad[FINE - 1 :: FINE]
 
 
 def _commanded(phase_deg: Array, step_s: float, wrong: Wrong) -> Array:

@@ -30,6 +30,7 @@ from usmbench.diagnose.naming.ranking import Ranked, alternatives
 from usmbench.diagnose.naming.remainder import LOUD, describe
 from usmbench.diagnose.naming.search import search
 from usmbench.diagnose.naming.sporadic import Sporadic, find_sporadic, left_unnamed
+from usmbench.diagnose.naming.warm_start import WarmStart, warm_warnings
 from usmbench.diagnose.residual.own_effects import cut_beside_own, known_of, own_effects
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.views import residual_views
@@ -85,8 +86,15 @@ def searched(stretches: Sequence[Stretch], model: HammersteinModel) -> Found:
     known = known_of(model)
     late_s = max(known.wander.late_s, any_moment_s(stretches))
     known = replace(known, wander=replace(known.wander, late_s=late_s))
-    marked = at_unknown_moments(stretches, late_s)
-    return search(marked, known, own_effects(model), effects)
+    marked, own = at_unknown_moments(stretches, late_s), own_effects(model)
+    found = search(marked, known, own, effects)
+    if verdict_on(found, None) == "no_discrepancy":
+        return found
+    start = WarmStart.of(found)
+    if not start.names:
+        return found
+    warm = search(marked, replace(known, began_warm=start.names), own, effects)
+    return warm if start.tells_more(warm) else found
 
 
 def _diagnosed(
@@ -186,6 +194,7 @@ def _warnings(held: _Held) -> Iterator[str]:
         yield from left_unnamed(found.problem, found.fit.effects, found.spread)
     if held.verdict == "no_discrepancy":
         yield from left_aside(found)
+    yield from warm_warnings(found.problem.known.began_warm)
     wander = found.problem.known.wander
     if wander.knows_warming:
         yield from long_warming(found.problem.stretches, wander.n_constants)

@@ -11,9 +11,10 @@ from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.departures import departures
 from usmbench.diagnose.known.features_of_runs import features_of
-from usmbench.diagnose.known.knowledge import KEY, Knowledge
+from usmbench.diagnose.known.knowledge import Knowledge
 from usmbench.diagnose.known.learning import learn
 from usmbench.diagnose.known.left_out import covariance_root
+from usmbench.diagnose.known.model_knowledge import with_known
 from usmbench.diagnose.known.wander import ANY, LEAST, wander_of_shares
 from usmbench.diagnose.known.wander_estimate import measured_wander
 from usmbench.diagnose.naming.ranking import rank
@@ -62,7 +63,7 @@ def with_knowledge(model: HammersteinModel, records: Sequence[Record]) -> Hammer
             habits += found
             stretches, _ = cut_runs(records, model, habits)
             known = measure_knowledge(stretches, habits)
-    return replace(model, residual={**model.residual, KEY: known.to_mapping()})
+    return with_known(model, known)
 
 
 def _habit(

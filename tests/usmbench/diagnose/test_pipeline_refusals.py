@@ -62,9 +62,12 @@ def test_damaged_knowledge(model: HammersteinModel) -> None:
 
 def test_knowledge_of_another_version(model: HammersteinModel) -> None:
     content = model.residual["diagnosis"]
-    older = replace(model, residual={"diagnosis": {**content, "mean": content["mean"][1:]}})
-    with pytest.raises(InputError, match=r"shapes are not the \d+ of this version"):
+    older = replace(model, residual={"diagnosis": {**content, "shapes": 1}})
+    with pytest.raises(InputError, match=r"of another version\); identify the model again"):
         diagnose([measured(3, n=500)], older)
+    other = replace(model, residual={"diagnosis": {**content, "mean": content["mean"][1:]}})
+    with pytest.raises(InputError, match=r"shapes are not the \d+ of this version"):
+        diagnose([measured(3, n=500)], other)
 
 
 @pytest.mark.parametrize(

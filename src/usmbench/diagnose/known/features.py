@@ -65,6 +65,8 @@ GROUPS = (
     "start",
     "angle",
 )
+WARMING = ("time", "heat", "friction", "resonance", "edge")
+"""Groups that stand in a row, for what warming changes."""
 # Largest plausible share of each shape in a model that is right: standard deviations, as shares
 # of the highest speed (phase, direction, friction, resonance), of the speed, or of the step; of
 # lateness, in s.
@@ -134,6 +136,17 @@ class Features:
         return [g for g, n in zip(GROUPS, counts, strict=True) for _ in range(n)]
 
     @property
+    def warms_at(self) -> NDArray[np.int64]:
+        """Which thermal time constant each column goes by; -1 for none, shape (K,)."""
+        groups = np.array(self.groups)
+        at = np.full(groups.size, -1)
+        warms = np.flatnonzero(np.isin(groups, WARMING))
+        if self.steepest_rad_s is not None:  # the shift that is there from the start
+            warms = warms[warms != np.argmax(groups == "resonance")]
+        at[warms] = np.arange(warms.size) % self.n_constants
+        return at
+
+    @property
     def prior(self) -> Array:
         """Standard deviation of every coefficient before any run was seen, shape (K,)."""
         speeds = ("phase", "direction", "friction", "resonance")
@@ -157,7 +170,29 @@ class Features:
         for weight in (*stretch.points, stretch.direction):
             off = [column * weight for column in over_phase]
             yield from felt(stretch.context.linear, np.column_stack(off)).T
-        yield from self._warming(stretch, speed)
+        yield from self.warming(stretch)
+        yield later_rad_s_per_s(stretch)
+        yield from after_steps(stretch, self.top_rad_s)
+        yield from near_standstill(stretch, self.top_rad_s)
+        yield widening(stretch) * stretch.direction * np.sign(stretch.context.phase_deg)
+        angle_rad = stretch.context.angle_rad
+        for harmonic in (1, 2):
+            for wave in (np.cos, np.sin):
+                yield (
+                    np.zeros_like(speed)
+                    if angle_rad is None
+                    else speed * wave(harmonic * angle_rad)
+                )
+
+    def warming(self, stretch: Stretch) -> Iterator[Array]:
+        """Yield the columns of the groups `WARMING` on one stretch, shape (N,) each.
+
+        Parameters
+        ----------
+        stretch
+            The stretch.
+        """
+        yield from self._warming(stretch, stretch.simulated_rad_s)
         held, (steady, *_, vibration) = shown(stretch, held_back(stretch)), self._warmth(stretch)
         yield from self._warming(stretch, held)
         for there in stretch.places:
@@ -174,18 +209,6 @@ class Features:
         yield from wider * steady
         for there in stretch.places:
             yield from there * wider * steady
-        yield later_rad_s_per_s(stretch)
-        yield from after_steps(stretch, self.top_rad_s)
-        yield from near_standstill(stretch, self.top_rad_s)
-        yield wider * stretch.direction * np.sign(stretch.context.phase_deg)
-        angle_rad = stretch.context.angle_rad
-        for harmonic in (1, 2):
-            for wave in (np.cos, np.sin):
-                yield (
-                    np.zeros_like(speed)
-                    if angle_rad is None
-                    else speed * wave(harmonic * angle_rad)
-                )
 
     def _warmth(self, stretch: Stretch) -> Array:
         """Return the stretch's warmth at the constants that count, shape (3, C, N)."""

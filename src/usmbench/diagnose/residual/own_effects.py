@@ -6,7 +6,8 @@ from dataclasses import replace
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.one_angle import at_models_angle, at_one_angle
 from usmbench.diagnose.cutting.stretches import Stretch
-from usmbench.diagnose.known.knowledge import Knowledge, knowledge_of
+from usmbench.diagnose.known.knowledge import Knowledge
+from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.residual.form import doubting_own
 from usmbench.model.extended import Applied, applied_effects, foreseen_effects
 from usmbench.model.hammerstein import HammersteinModel

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.fitting.fit import NOTHING, Fit
 from usmbench.diagnose.fitting.foretold import foretells_nothing, foretold_rad_s, held_out_drop
-from usmbench.diagnose.known.knowledge import Knowledge, knowledge_of
+from usmbench.diagnose.known.knowledge import Knowledge
+from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.registry import find_effect

@@ -8,7 +8,7 @@ from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.intervals import intervals
 from usmbench.diagnose.fitting.refining import refine
-from usmbench.diagnose.known.knowledge import knowledge_of
+from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.base import Context

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.scanning import fit_effect
-from usmbench.diagnose.known.knowledge import knowledge_of
+from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.residual.problem import Problem

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from known_motor import WINDOW_S, applied, driven, identified, measured
 from usmbench.diagnose.cutting.cut_runs import cut_runs
-from usmbench.diagnose.known.knowledge import knowledge_of
+from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.naming.chance import leaves_scatter, scatters
 from usmbench.diagnose.naming.ranking import rank, telling_deviance
 from usmbench.diagnose.pipeline import diagnose

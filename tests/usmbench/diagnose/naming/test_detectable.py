@@ -6,7 +6,7 @@ from scipy.stats import norm
 
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.fitting.fit import Fit
-from usmbench.diagnose.known.knowledge import knowledge_of
+from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.naming.detectable import smallest_sizes
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.residual.problem import Problem

@@ -8,7 +8,7 @@ import pytest
 from known_motor import NOISE_RAD_S, applied, driven, identified
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.fitting.fit import Fit
-from usmbench.diagnose.known.knowledge import knowledge_of
+from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.naming.found import Found, left_aside, verdict_on
 from usmbench.diagnose.naming.ranking import Ranked
 from usmbench.diagnose.naming.sporadic import Sporadic

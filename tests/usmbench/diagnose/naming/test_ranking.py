@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from known_motor import applied, driven, identified
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.fitting.fit import NOTHING
-from usmbench.diagnose.known.knowledge import knowledge_of
+from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.naming.ranking import Ranked, alternatives, rank, undecided
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.base import Effect

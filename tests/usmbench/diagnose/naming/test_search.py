@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from known_motor import NOISE_RAD_S, WINDOW_S, applied, driven, identified, measured
 from usmbench.diagnose.cutting.cut_runs import cut_runs
-from usmbench.diagnose.known.knowledge import knowledge_of
+from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.naming.search import search
 from usmbench.diagnose.pipeline import searched

@@ -9,7 +9,7 @@ from scipy.signal import sawtooth
 
 from known_motor import CURVE, NOISE_RAD_S, WINDOW_S, applied, driven, identified, measured
 from usmbench.diagnose.cutting.cut_runs import cut_runs
-from usmbench.diagnose.known.knowledge import knowledge_of
+from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.naming.sporadic import find_sporadic, left_unnamed
 from usmbench.diagnose.noise.spikes import whole_count_rad_s
 from usmbench.diagnose.pipeline import diagnose

@@ -10,7 +10,8 @@ import pytest
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.fitting.fit import Fit
-from usmbench.diagnose.known.knowledge import Knowledge, knowledge_of
+from usmbench.diagnose.known.knowledge import Knowledge
+from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.naming.ranking import Ranked, rank
 from usmbench.diagnose.naming.stepwise import Named, name_causes
 from usmbench.diagnose.noise.noise_estimate import estimate_noise

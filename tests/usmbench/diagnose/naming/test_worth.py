@@ -8,7 +8,7 @@ import pytest
 from known_motor import applied, driven, identified
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.fitting.fit import NOTHING, Fit
-from usmbench.diagnose.known.knowledge import knowledge_of
+from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.naming.worth import First, worth_a_name
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.whole import Whole

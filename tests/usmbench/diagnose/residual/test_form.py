@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from known_motor import applied, identified, measured
 from usmbench.diagnose.cutting.stretches import Stretch
-from usmbench.diagnose.known.knowledge import knowledge_of
+from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.residual.form import off_in_form

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from usmbench.diagnose.cutting.stretches import Stretch
-from usmbench.diagnose.known.knowledge import knowledge_of
+from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.residual.free_runs import FreeRuns
 from usmbench.diagnose.residual.problem import Problem

@@ -7,7 +7,8 @@ import pytest
 from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Stretch
-from usmbench.diagnose.known.knowledge import Knowledge, knowledge_of
+from usmbench.diagnose.known.knowledge import Knowledge
+from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.naming.ranking import NO_CHANCE
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.noise.noise_model import Noise

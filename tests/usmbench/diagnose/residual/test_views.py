@@ -7,7 +7,7 @@ import pytest
 from scipy.signal import lfilter
 
 from usmbench.diagnose.cutting.stretches import Stretch
-from usmbench.diagnose.known.knowledge import knowledge_of
+from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.views import residual_views
