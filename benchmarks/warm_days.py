@@ -64,7 +64,7 @@ class Warming:
     widens: float
     constant_s: float
 
-    def of(self, motor: PlainMotor, begins: float) -> PlainMotor:
+    def of(self, motor: PlainMotor, begins: float, n: int) -> PlainMotor:
         """Return the motor at each step of a run.
 
         Parameters
@@ -73,8 +73,10 @@ class Warming:
             The motor, cold.
         begins
             How warm it is at the start, from 0 to 1.
+        n
+            Windows of the run.
         """
-        t_s = _WINDOW_S / FINE * np.arange(_WINDOWS * FINE)
+        t_s = _WINDOW_S / FINE * np.arange(n * FINE)
         warm = 1.0 - (1.0 - begins) * np.exp(-t_s / self.constant_s)
         low_deg, high_deg = motor.edges_deg
         wider = 1.0 + self.widens * warm
@@ -125,13 +127,15 @@ class Day:
         return bool(self.names) and self.cause not in self.names[0]
 
 
-def draw(seed: int, number: int) -> Day:
+def draw(seed: int, number: int, n: int = _WINDOWS) -> Day:
     """Draw a motor and its days; identify and diagnose.
 
     Parameters
     ----------
     seed, number
         What fixes the draw; groups and causes come in turn.
+    n
+        Windows of a run.
     """
     rng = np.random.default_rng([seed, number])
     group = GROUPS[number % len(GROUPS)]
@@ -140,15 +144,15 @@ def draw(seed: int, number: int) -> Day:
     loses = rng.uniform(0.003, 0.03)
     warming = Warming(loses, loses * rng.uniform(0.0, 4.0), float(np.exp(rng.uniform(3.0, 5.0))))
     begins = rng.uniform(0.4, 1.0) if group.startswith("warm") else 0.0
-    measured_deg = plan_deg(str(rng.choice(KINDS)), _WINDOWS, _TOP_DEG, rng)
+    measured_deg = plan_deg(str(rng.choice(KINDS)), n, _TOP_DEG, rng)
     wrong = _wrong(motor, measured_deg, cause, deviation_rad_s, rng)
     with tempfile.TemporaryDirectory() as name:
         paths = [Path(name) / f"cold{k}.csv" for k in range(_REFERENCES)]
         for path in paths:
-            phase_deg = plan_deg(str(rng.choice(KINDS)), _WINDOWS, _TOP_DEG, rng)
-            _measure(path, warming.of(motor, 0.0), phase_deg, Wrong(), deviation_rad_s, rng)
+            phase_deg = plan_deg(str(rng.choice(KINDS)), n, _TOP_DEG, rng)
+            _measure(path, warming.of(motor, 0.0, n), phase_deg, Wrong(), deviation_rad_s, rng)
         path = Path(name) / "measured.csv"
-        _measure(path, warming.of(motor, begins), measured_deg, wrong, deviation_rad_s, rng)
+        _measure(path, warming.of(motor, begins, n), measured_deg, wrong, deviation_rad_s, rng)
         names, verdict = diagnosed(Path(name), [str(path) for path in paths])
     return Day(group, cause, warming, begins, verdict, names)
 
@@ -187,7 +191,7 @@ def _measure(
 ) -> None:
     today = replace(motor, top_rad_s=motor.top_rad_s * (1.0 + _WANDER * rng.standard_normal()))
     speed, angle_rad = speed_rad_s(today, phase_deg, _WINDOW_S, wrong, rng)
-    noisy = speed + noise_rad_s(_WINDOWS, deviation_rad_s, 0.0, rng)
+    noisy = speed + noise_rad_s(phase_deg.size, deviation_rad_s, 0.0, rng)
     write_csv(path, phase_deg, noisy, angle_rad, _WINDOW_S)
 
 

@@ -11,14 +11,14 @@ WARMING = Warming(0.02, 0.06, 30.0)
 
 
 def test_a_healthy_motor_that_begins_warm_gets_no_name() -> None:
-    day = draw(71, 0)
+    day = draw(71, 0, 2000)
     assert (day.group, day.cause) == ("warm, healthy", "")
     assert day.begins > 0.3
     assert day.right
 
 
 def test_a_warm_motor_has_lost_speed_and_its_dead_zone_is_wider() -> None:
-    cold, warm = (WARMING.of(MOTOR, begins) for begins in (0.0, 1.0))
+    cold, warm = (WARMING.of(MOTOR, begins, 6000) for begins in (0.0, 1.0))
     np.testing.assert_allclose(warm.top_rad_s, 0.98 * MOTOR.top_rad_s)
     assert np.asarray(cold.top_rad_s)[0] == MOTOR.top_rad_s
     after = round(WARMING.constant_s / 0.01) * FINE

@@ -89,7 +89,7 @@ class WarmStart:
         more = self._gained((), now) + self._explains(now)[0] - gained
         if not before or len(now) < len(before):
             return more > -telling_deviance(gained)
-        return len(now) == len(before) and more > telling_deviance(gained)
+        return len(now) == len(before) and more > 0.0
 
     def _explains(self, given: Sequence[Applied]) -> tuple[float, Array]:
         """Return what a warm start explains beside effects, and how warm each column says."""
@@ -106,11 +106,11 @@ class WarmStart:
     def _warm(self, shares: Array) -> Iterator[str]:
         """Yield the runs of which the shares, by how much each changes the speed, are plain."""
         weights = np.sqrt(sum((c**2).sum(axis=0) for c in self.columns))
-        runs = dict.fromkeys(s.name for s in self.problem.stretches)
+        runs = {s.run: s.name for s in self.problem.stretches}
         heavy, warm = (a.reshape(len(runs), -1).sum(axis=1) for a in (weights, weights * shares))
-        for name, weight, size in zip(runs, heavy, warm, strict=True):
+        for run, weight, size in zip(sorted(runs), heavy, warm, strict=True):
             if size > _PLAIN * weight:
-                yield name
+                yield runs[run]
 
 
 def warm_warnings(names: Sequence[str]) -> list[str]:

@@ -15,13 +15,13 @@ from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.linear import free_run
 from usmbench.runs.record import Record
 
-CONSTANT_S, LOSES = 25.0, 0.02
+CONSTANT_S, LOSES = 15.0, 0.02
 
 
 def driven(seed: int, begins: float = 0.0, *, loses: float = LOSES, drag: float = 0.0) -> Record:
-    """Return a run of 40 s of a motor that loses speed as it warms."""
+    """Return a run of 25 s of a motor that loses speed as it warms."""
     rng = np.random.default_rng(seed)
-    phase_deg = np.repeat(rng.uniform(-88.0, 88.0, 800), 5)
+    phase_deg = np.repeat(rng.uniform(-88.0, 88.0, 500), 5)
     t_s = WINDOW_S * np.arange(1.0, phase_deg.size + 1.0)
     warm = 1.0 - (1.0 - begins) * np.exp(-t_s / CONSTANT_S)
     settled = CURVE.speed_rad_s(phase_deg) * (1.0 - loses * warm)
@@ -33,15 +33,12 @@ def driven(seed: int, begins: float = 0.0, *, loses: float = LOSES, drag: float 
 
 @pytest.fixture(scope="module")
 def model() -> HammersteinModel:
-    cold = [driven(k) for k in range(4)]
+    cold = [driven(k) for k in range(3)]
     return with_knowledge(identify_fast(cold, FastOptions(12)).model, cold)
 
 
-@pytest.mark.parametrize("begins", [0.5, 0.9])
-def test_a_run_that_begins_warm_is_no_news_and_said_to_be_warm(
-    model: HammersteinModel, begins: float
-) -> None:
-    found = diagnose([driven(11, begins)], model)
+def test_a_run_that_begins_warm_is_no_news_and_said_to_be_warm(model: HammersteinModel) -> None:
+    found = diagnose([driven(11, 0.6)], model)
     assert (found.verdict, found.causes) == ("no_discrepancy", ())
     (said,) = (w for w in found.warnings if "warm when the run began" in w)
     assert said.startswith("run 11: ")
@@ -54,11 +51,11 @@ def test_a_drag_is_named_beside_a_warm_start(model: HammersteinModel) -> None:
     assert any("warm when the run began" in w for w in found.warnings)
 
 
-def test_only_the_run_that_began_warm_is_said_to_be_warm(model: HammersteinModel) -> None:
-    found = diagnose([driven(13), driven(14, 0.8)], model)
+def test_one_of_two_runs_of_a_name_began_warm(model: HammersteinModel) -> None:
+    found = diagnose([driven(13), replace(driven(14, 0.8), name="run 13")], model)
     assert found.verdict == "no_discrepancy"
     said = [w for w in found.warnings if "warm when the run began" in w]
-    assert [w.split(":")[0] for w in said] == ["run 14"]
+    assert [w.split(":")[0] for w in said] == ["run 13"]
 
 
 def test_a_motor_that_warms_twice_as_much_drifts(model: HammersteinModel) -> None:
