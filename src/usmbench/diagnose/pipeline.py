@@ -91,9 +91,10 @@ def searched(stretches: Sequence[Stretch], model: HammersteinModel) -> Found:
     if verdict_on(found, None) == "no_discrepancy":
         return found
     start = WarmStart.of(found)
-    if not start.names:
+    names = start.names
+    if not names:
         return found
-    warm = search(marked, replace(known, began_warm=start.names), own, effects)
+    warm = search(marked, replace(known, began_warm=names), own, effects)
     return warm if start.tells_more(warm) else found
 
 

@@ -12,8 +12,30 @@ from usmbench.diagnose.known.features import WARMING, Features
 
 Array = NDArray[np.float64]
 
-_HALF_WAY = 0.5  # standard deviation of how warm it is
+# How long a motor may have been driven before, and then have stood.
+_DRIVEN_S = (10.0, 32.0, 100.0, 316.0, 1000.0, 3160.0)
+_STOOD_S = (0.0, 3.2, 10.0, 32.0, 100.0, 316.0)
 _SPEED = 0.5  # of the highest: at that a motor warms neither more nor less than by being driven
+
+
+def histories(n_constants: int) -> Array:
+    """Return how warm a motor may be at each thermal time constant for having been driven before.
+
+    Parameters
+    ----------
+    n_constants
+        Number of constants, from the shortest on.
+
+    Returns
+    -------
+    Array
+        As shares of what driving makes it at last, one history a row, shape (H, C).
+    """
+    constants_s = np.array(TIME_CONSTANTS_S[:n_constants])
+    driven = -np.expm1(-np.array(_DRIVEN_S)[:, None, None] / constants_s)
+    stood = np.exp(-np.array(_STOOD_S)[None, :, None] / constants_s)
+    shares: Array = (driven * stood).reshape(-1, n_constants)
+    return shares
 
 
 def warm_shapes(stretch: Stretch, features: Features) -> Array:
@@ -60,6 +82,8 @@ def warm_means(features: Features, left: Array) -> Array:
 def warm_root(features: Features, left: Array, root: Array) -> Array:
     """Return a square root of the covariance of the `warm_shapes` where none knows how warm it is.
 
+    Any of the `histories` is as likely.
+
     Parameters
     ----------
     features
@@ -74,5 +98,7 @@ def warm_root(features: Features, left: Array, root: Array) -> Array:
     Array
         Shape (H, H).
     """
-    ways = np.hstack([_HALF_WAY * warm_means(features, left), root[features.warms_at >= 0]])
+    shares = histories(features.n_constants)
+    warm = warm_means(features, left) @ shares.T / np.sqrt(len(shares))
+    ways = np.hstack([warm, root[features.warms_at >= 0]])
     return np.asarray(np.linalg.qr(ways.T, mode="r")).T

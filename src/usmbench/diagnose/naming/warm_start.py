@@ -6,15 +6,15 @@ known of that says how it would look. Where it stands for names, runs are search
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import compress
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import lsq_linear
 from scipy.stats import chi2
 
-from usmbench.diagnose.known.warm_start import warm_means, warm_shapes
+from usmbench.diagnose.known.warm_start import histories, warm_means, warm_shapes
 from usmbench.diagnose.naming.found import Found
-from usmbench.diagnose.naming.ranking import NO_CHANCE, telling_deviance
+from usmbench.diagnose.naming.ranking import NO_CHANCE, TELLING
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.extended import Applied
 
@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 
 _PLAIN = 0.1  # of how warm driving makes a motor
 _LARGELY = 0.5  # of what names explain
+_FREE = 3  # of each run: how warm it is, how long it was driven before, and then stood
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,16 +35,13 @@ class WarmStart:
         What that search came to.
     problem
         Its problem of a motor that shows nothing of what it named.
-    columns
-        Change of speed where a run begins as warm as driving makes the motor, each run's at each
-        thermal time constant, by stretch, shape (N, R C).
     carried
-        The same as the problem carries residuals, shape (M, R C).
+        Change of speed where a run begins as warm as driving makes the motor, each run's at each
+        thermal time constant, as the problem carries residuals, shape (M, R C).
     """
 
     cold: Found
     problem: Problem
-    columns: tuple[Array, ...]
     carried: Array
 
     @classmethod
@@ -56,28 +54,30 @@ class WarmStart:
             What the search came to.
         """
         problem = cold.without_names.problem
-        columns = tuple(_columns(problem))
-        return cls(cold, problem, columns, problem.carried(columns))
+        return cls(cold, problem, problem.carried(list(_columns(problem))))
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the runs that look warm; none where that stands for little of what is off.
+        """Names of the runs that look warm.
 
-        It is half of all that is off, or of one of the names, at least.
+        None where that stands for less than half of all that is off, and of each name.
         """
-        effects = self.cold.fit.effects
+        effects, runs = self.cold.fit.effects, {s.run: s.name for s in self.problem.stretches}
         if not np.any(self.carried):
             return ()
         for rest in ((), *_without_one(effects)):
             explained, shares = self._explains(rest)
             beyond = self._gained(rest, effects) if effects else self.cold.beyond_noise
-            chance = chi2.sf(explained, shares.size)
+            chance = chi2.sf(explained, _FREE * len(runs))
             if chance < NO_CHANCE and explained > _LARGELY * beyond:
-                return tuple(self._warm(shares))
+                warm = (float(np.max(share)) > _PLAIN for share in shares)
+                return tuple(compress((runs[r] for r in sorted(runs)), warm))
         return ()
 
     def tells_more(self, warm: Found) -> bool:
-        """Whether fewer names explain about as much beside a warm start, or as many explain more.
+        """Whether names beside a warm start explain more than those without it.
+
+        Each name has its price: what tells two causes apart at least.
 
         Parameters
         ----------
@@ -85,32 +85,30 @@ class WarmStart:
             What a search came to that lets the runs begin warm.
         """
         before, now = self.cold.fit.effects, warm.fit.effects
-        gained = self._gained((), before)
-        more = self._gained((), now) + self._explains(now)[0] - gained
-        if not before or len(now) < len(before):
-            return more > -telling_deviance(gained)
-        return len(now) == len(before) and more > 0.0
+        more = self._gained(before, now) + self._explains(now)[0]
+        return not before or more > TELLING * (len(now) - len(before))
 
-    def _explains(self, given: Sequence[Applied]) -> tuple[float, Array]:
-        """Return what a warm start explains beside effects, and how warm each column says."""
-        left = self.problem.left(given)
-        # No motor begins colder than cold.
-        fit = lsq_linear(self.carried, left, (0.0, 1.0))
-        return (float(left @ left) - 2.0 * float(fit.cost)) / self.cold.spread**2, fit.x
+    def _explains(self, given: Sequence[Applied]) -> tuple[float, list[Array]]:
+        """Return what a warm start explains beside effects, and how warm each run is, (C,)."""
+        left, explained = self.problem.left(given), 0.0
+        shares: list[Array] = []
+        may_be = histories(self.problem.known.features.n_constants)
+        for carried in np.split(self.carried, self.carried.shape[1] // may_be.shape[1], axis=1):
+            shown = carried @ may_be.T
+            along, power = shown.T @ left, np.maximum(np.sum(shown**2, axis=0), 1e-300)
+            # No motor begins colder than cold.
+            size = np.clip(along / power, 0.0, 1.0)
+            drops = size * (2.0 * along - size * power)
+            best = int(np.argmax(drops))
+            left = left - size[best] * shown[:, best]
+            explained += float(drops[best])
+            shares.append(size[best] * may_be[best])
+        return explained / self.cold.spread**2, shares
 
     def _gained(self, rest: Sequence[Applied], effects: Sequence[Applied]) -> float:
-        """Return what effects explain beyond some of them."""
+        """Return what effects explain beyond others."""
         without, left = self.problem.left(rest), self.problem.left(effects)
         return float(without @ without - left @ left) / self.cold.spread**2
-
-    def _warm(self, shares: Array) -> Iterator[str]:
-        """Yield the runs of which the shares, by how much each changes the speed, are plain."""
-        weights = np.sqrt(sum((c**2).sum(axis=0) for c in self.columns))
-        runs = {s.run: s.name for s in self.problem.stretches}
-        heavy, warm = (a.reshape(len(runs), -1).sum(axis=1) for a in (weights, weights * shares))
-        for run, weight, size in zip(sorted(runs), heavy, warm, strict=True):
-            if size > _PLAIN * weight:
-                yield runs[run]
 
 
 def warm_warnings(names: Sequence[str]) -> list[str]:
@@ -136,7 +134,7 @@ def _without_one(effects: Sequence[Applied]) -> Iterator[tuple[Applied, ...]]:
 
 
 def _columns(problem: Problem) -> Iterator[Array]:
-    """Yield what `WarmStart.columns` holds of each stretch."""
+    """Yield the change of speed on each stretch, shape (N, R C)."""
     known, runs = problem.known, sorted({s.run for s in problem.stretches})
     means = warm_means(known.features, known.mean)
     for s in problem.stretches:

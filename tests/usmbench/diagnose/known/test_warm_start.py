@@ -9,7 +9,12 @@ from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.cutting.warmth import TIME_CONSTANTS_S, warmth
 from usmbench.diagnose.known.features import Features
 from usmbench.diagnose.known.features_of_runs import features_of
-from usmbench.diagnose.known.warm_start import warm_means, warm_root, warm_shapes
+from usmbench.diagnose.known.warm_start import (
+    histories,
+    warm_means,
+    warm_root,
+    warm_shapes,
+)
 
 BEFORE_S, CONSTANTS = 40.0, 3
 
@@ -50,11 +55,19 @@ def test_what_is_not_known_of_the_warm_up_is_not_known_of_a_warm_start(
     n = len(features.groups)
     left, root = rng.standard_normal(n), rng.standard_normal((n, n))
     sure, unsure = warm_root(features, left, 0.0 * root), warm_root(features, left, root)
-    means, known = warm_means(features, left), root[features.warms_at >= 0]
-    np.testing.assert_allclose(sure @ sure.T, 0.25 * means @ means.T, atol=1e-9)
-    np.testing.assert_allclose(
-        unsure @ unsure.T, 0.25 * means @ means.T + known @ known.T, atol=1e-9
-    )
+    drawn = warm_means(features, left) @ histories(features.n_constants).T
+    warm, known = drawn @ drawn.T / drawn.shape[1], root[features.warms_at >= 0]
+    np.testing.assert_allclose(sure @ sure.T, warm, atol=1e-9)
+    np.testing.assert_allclose(unsure @ unsure.T, warm + known @ known.T, atol=1e-9)
+
+
+def test_a_motor_that_stood_is_warm_only_where_heat_lasts() -> None:
+    shares = histories(5)
+    assert np.all((shares >= 0.0) & (shares <= 1.0))
+    assert np.any(np.all(shares > 0.95, axis=1))
+    stood = shares[shares[:, 0] < 1e-3]
+    assert np.all(stood[:, 0] <= stood[:, -1])
+    assert np.max(stood[:, -1]) > 0.5
 
 
 @pytest.mark.parametrize("steepest_rad_s", [None, 3.0])
