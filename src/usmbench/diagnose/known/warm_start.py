@@ -29,7 +29,7 @@ def histories(n_constants: int) -> Array:
     Returns
     -------
     Array
-        As shares of what driving makes it at last, one history a row, shape (H, C).
+        As shares of what driving makes it at last, one history a row, shape (J, C).
     """
     constants_s = np.array(TIME_CONSTANTS_S[:n_constants])
     driven = -np.expm1(-np.array(_DRIVEN_S)[:, None, None] / constants_s)
