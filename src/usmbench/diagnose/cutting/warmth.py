@@ -2,7 +2,7 @@
 
 A stator and its housing are heat capacities in a row; each node's temperature is a sum of such
 responses, and a change of speed that goes by temperature is one, too. Constants half a decade apart
-leave of any from ten seconds on less than a hundredth.
+leave of any from half a minute on no more than some thousandths.
 """
 
 from collections.abc import Iterator, Sequence
@@ -15,7 +15,7 @@ from usmbench.runs.time_step import breaks
 
 Array = NDArray[np.float64]
 
-TIME_CONSTANTS_S = (3.2, 10.0, 32.0, 100.0, 316.0, 1000.0)
+TIME_CONSTANTS_S = (10.0, 32.0, 100.0, 316.0, 1000.0)
 
 
 def n_constants(lasts_s: float) -> int:

@@ -29,21 +29,19 @@ def test_half_a_decade_apart_leaves_little_of_any_constant_between() -> None:
     t_s = 0.1 * np.arange(1.0, 2401.0)
     (basis,) = warmth(t_s, 0.1, [np.ones(t_s.size)], [np.arange(t_s.size)])
     columns = np.column_stack([np.ones(t_s.size), *basis[0]])
-    for constant_s in np.geomspace(10.0, 1000.0, 21):
+    for constant_s in np.geomspace(30.0, 1000.0, 9):
         course = -np.expm1(-t_s / constant_s)
         share, *_ = np.linalg.lstsq(columns, course, rcond=None)
-        assert np.max(np.abs(columns @ share - course)) < 1e-2
+        assert np.max(np.abs(columns @ share - course)) < 5e-3
 
 
 def test_powers_that_alternate_warm_by_their_mean() -> None:
     t_s = WINDOW_S * np.arange(1.0, 20_001.0)
     power = np.where(np.arange(t_s.size) % 2 == 0, 1.0, 3.0)
     (warm,) = warmth(t_s, WINDOW_S, [power, np.full(t_s.size, 2.0)], [np.arange(t_s.size)])
-    assert warm[0] == pytest.approx(warm[1], abs=WINDOW_S / TIME_CONSTANTS_S[0])
+    assert warm[0] == pytest.approx(warm[1], abs=2e-3)
 
 
-@pytest.mark.parametrize(
-    ("lasts_s", "n"), [(2.0, 1), (5.0, 2), (20.0, 3), (60.0, 4), (240.0, 5), (1e5, 6)]
-)
+@pytest.mark.parametrize(("lasts_s", "n"), [(5.0, 1), (20.0, 2), (60.0, 3), (240.0, 4), (1e5, 5)])
 def test_a_run_tells_no_constants_apart_that_are_far_longer(lasts_s: float, n: int) -> None:
     assert n_constants(lasts_s) == n

@@ -46,8 +46,9 @@ def test_a_run_that_begins_warm_is_no_news_and_said_to_be_warm(model: Hammerstei
 
 def test_a_drag_is_named_beside_a_warm_start(model: HammersteinModel) -> None:
     found = diagnose([driven(12, 0.8, drag=0.1)], model)
-    (cause,) = found.causes
-    assert "load_torque" in (cause.name, *cause.alternatives)
+    assert [cause.name for cause in found.causes] == ["load_torque"]
+    size = {p.name: p for p in found.causes[0].parameters}["drag_rad_s"]
+    assert size.value == pytest.approx(0.1, rel=0.1)
     assert any("warm when the run began" in w for w in found.warnings)
 
 
