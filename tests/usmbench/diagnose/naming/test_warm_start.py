@@ -48,7 +48,7 @@ def test_a_drag_is_named_beside_a_warm_start(model: HammersteinModel) -> None:
     found = diagnose([driven(12, 0.8, drag=0.1)], model)
     assert [cause.name for cause in found.causes] == ["load_torque"]
     size = {p.name: p for p in found.causes[0].parameters}["drag_rad_s"]
-    assert size.value == pytest.approx(0.1, rel=0.1)
+    assert size.low < 0.1 < size.high < 0.2
     assert any("warm when the run began" in w for w in found.warnings)
 
 
