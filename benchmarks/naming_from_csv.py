@@ -26,8 +26,7 @@ from benchmarks.plain_motor import (
     PlainMotor,
     Wrong,
     motor_of_any_curve,
-    size_for,
-    sizes_of,
+    size_of,
     speed_rad_s,
 )
 from benchmarks.plain_outcome import NOTHING, OUTSIDE, Conditions, Outcome, report
@@ -123,12 +122,7 @@ def _size(
         rng = np.random.default_rng(0)
         return speed_rad_s(motor, phase_deg, how.window_s, wrong, rng, sampled=how.sampled)[0]
 
-    healthy = speed(Wrong())
-    return size_for(
-        lambda size: float(np.sqrt(np.mean((speed(Wrong(cause, size)) - healthy) ** 2))),
-        sizes_of(cause),
-        times_noise * how.noise_rad_s,
-    )
+    return size_of(speed, cause, times_noise * how.noise_rad_s)
 
 
 def _measure(

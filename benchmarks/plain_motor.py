@@ -210,6 +210,26 @@ def sizes_of(cause: str) -> Array:
     return np.geomspace(1e-5, 100.0, 90)
 
 
+def size_of(speed: Callable[[Wrong], Array], cause: str, wanted_rad_s: float) -> float | None:
+    """Return the first size of a cause that changes a run's speed by so much; None for none.
+
+    Parameters
+    ----------
+    speed
+        The run's speed with something wrong, in rad/s, shape (N,).
+    cause
+        The cause.
+    wanted_rad_s
+        Root mean square of what it changes.
+    """
+    healthy = speed(Wrong())
+    return size_for(
+        lambda size: float(np.sqrt(np.mean((speed(Wrong(cause, size)) - healthy) ** 2))),
+        sizes_of(cause),
+        wanted_rad_s,
+    )
+
+
 def size_for(effect_rms: Callable[[float], float], sizes: Array, wanted: float) -> float | None:
     """Return the first size at which an effect's root mean square is as wanted; None for none.
 

@@ -25,8 +25,7 @@ from benchmarks.plain_motor import (
     PlainMotor,
     Wrong,
     motor_of_any_curve,
-    size_for,
-    sizes_of,
+    size_of,
     speed_rad_s,
 )
 from benchmarks.plain_runs import KINDS, noise_rad_s, plan_deg, write_csv
@@ -171,14 +170,11 @@ def _wrong(
     def speed(wrong: Wrong) -> Array:
         return speed_rad_s(motor, phase_deg, _WINDOW_S, wrong, rng)[0]
 
-    healthy = speed(Wrong())
-    size = size_for(
-        lambda size: float(np.sqrt(np.mean((speed(Wrong(cause, size)) - healthy) ** 2))),
-        sizes_of(cause),
-        _TIMES_NOISE * deviation_rad_s,
-    )
+    size = size_of(speed, cause, _TIMES_NOISE * deviation_rad_s)
+    if size is None:
+        raise ValueError(f"no size of {cause} does {_TIMES_NOISE:g} times the noise")
     sign = -1.0 if cause in ("speed_scale", "gain_asymmetry") and rng.integers(2) else 1.0
-    return Wrong(cause, sign * (size or 0.0))
+    return Wrong(cause, sign * size)
 
 
 def _measure(

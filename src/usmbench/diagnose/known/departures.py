@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.cutting.dead_zone import dead_zone_deg, highest_rad_s
+from usmbench.diagnose.cutting.dead_zone import highest_rad_s
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.shapes import (
     detuned_rad_s,
@@ -14,7 +14,7 @@ from usmbench.diagnose.known.shapes import (
     later_rad_s_per_s,
     shown,
     speed_share,
-    widening,
+    widening_by_share,
 )
 from usmbench.diagnose.known.wander import ANY
 from usmbench.model.extended import Applied, extended_run
@@ -96,7 +96,7 @@ def _changes(stretch: Stretch) -> tuple[Array, Array, Array, Array]:
         limited_rad_s = free_run(linear, settled_rad_s, float(settled_rad_s[0]))
         gain = gain - (limited_rad_s - shown(stretch, settled_rad_s))
     held = shown(stretch, np.column_stack(stretch.points) * held_back(stretch)[:, None])
-    return gain, held, widening(stretch) * dead_zone_deg(stretch), detuned_rad_s(stretch)
+    return gain, held, widening_by_share(stretch), detuned_rad_s(stretch)
 
 
 def _warming(

@@ -15,7 +15,7 @@ resonance both again, of what the resonance's move does, where the model knows s
 lag k     the step, k windows after it, times hats over the speeds it leads from and to; again
           times the place in frequency and torque: the lag changes along the resonance
 late      what commands that act later change: after steps that lie close, more than the lags hold
-edge      what a wider dead zone changes, likewise over time, places: it widens as the motor warms
+edge      what a dead zone wider by a share changes, likewise over time, places: it widens by heat
 start     a speed lost near standstill, after each kind of step, and again times the place in
           frequency and torque; and a dead zone that is wider outward bound: a rotor sticks
 angle     the speed, times a wave once and twice a revolution
@@ -29,7 +29,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.cutting.dead_zone import dead_zone_deg
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.shapes import (
     PHASE_NODES,
@@ -39,6 +38,7 @@ from usmbench.diagnose.known.shapes import (
     later_rad_s_per_s,
     shown,
     widening,
+    widening_by_share,
 )
 from usmbench.diagnose.known.step_columns import (
     CELLS,
@@ -192,9 +192,9 @@ class Features:
         stretch
             The stretch.
         """
-        yield from self._warming(stretch, stretch.simulated_rad_s)
+        yield from self._times_warmth(stretch, stretch.simulated_rad_s)
         held, (steady, *_, vibration) = shown(stretch, held_back(stretch)), self._warmth(stretch)
-        yield from self._warming(stretch, held)
+        yield from self._times_warmth(stretch, held)
         for there in stretch.places:
             yield from there * held * steady
         if self.steepest_rad_s is not None:
@@ -202,10 +202,10 @@ class Features:
             # between the sides of the resonance.
             moved = detuned_rad_s(stretch) / self.steepest_rad_s
             yield moved
-            yield from self._warming(stretch, moved)
+            yield from self._times_warmth(stretch, moved)
             # The vibration heats, not the speed: it hangs on the frequency alone.
             yield from moved * (vibration / self.top_rad_s**2 - steady)
-        wider = widening(stretch) * dead_zone_deg(stretch)
+        wider = widening_by_share(stretch)
         yield from wider * steady
         for there in stretch.places:
             yield from there * wider * steady
@@ -214,7 +214,7 @@ class Features:
         """Return the stretch's warmth at the constants that count, shape (3, C, N)."""
         return stretch.warmth[:, : self.n_constants]
 
-    def _warming(self, stretch: Stretch, shape: Array) -> Iterator[Array]:
+    def _times_warmth(self, stretch: Stretch, shape: Array) -> Iterator[Array]:
         """Yield a shape times how long the motor is driven, and times the power taken so far."""
         steady, speed, _ = self._warmth(stretch)
         for warm in (steady, speed / self.top_rad_s - 0.5 * steady):

@@ -165,6 +165,17 @@ def widening(stretch: Stretch) -> Array:
     return shown(stretch, (inward - outward) / (2.0 * reach_deg))
 
 
+def widening_by_share(stretch: Stretch) -> Array:
+    """Return the change of speed where the dead zone widens, each side by its own width.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    return widening(stretch) * dead_zone_deg(stretch)
+
+
 def speed_share(stretch: Stretch) -> Array:
     """Return the settled speed as a share of the highest at each row's operating point, shape (N,).
 

@@ -60,7 +60,7 @@ class WarmStart:
     def names(self) -> tuple[str, ...]:
         """Names of the runs that look warm.
 
-        None where that stands for less than half of all that is off, and of each name.
+        Empty where that stands for less than half of all that is off, and of each name.
         """
         effects, runs = self.cold.fit.effects, {s.run: s.name for s in self.problem.stretches}
         if not np.any(self.carried):
