@@ -8,7 +8,12 @@ from numpy.typing import NDArray
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.cutting.warmth import n_constants
 from usmbench.diagnose.known.features import Features
-from usmbench.diagnose.known.shapes import phase_nodes, unheld_rad_s, unmeasured_rad_s
+from usmbench.diagnose.known.shapes import (
+    phase_nodes,
+    short_of_ends_deg,
+    unheld_rad_s,
+    unmeasured_rad_s,
+)
 
 Array = NDArray[np.float64]
 
@@ -28,9 +33,10 @@ def features_of(stretches: Sequence[Stretch]) -> Features:
         min(p.min() for p in phase_deg), max(p.max() for p in phase_deg), _TABLE
     )
     speeds = [_at_point(stretches, k, table_deg) for k in range(len(stretches[0].points))]
-    nodes_deg = phase_nodes(table_deg, speeds)
     every_deg = np.sort(np.concatenate(phase_deg))
-    between = unmeasured_rad_s(nodes_deg, np.unique(every_deg), table_deg, speeds)
+    measured_deg = np.unique(every_deg)
+    nodes_deg = phase_nodes(table_deg, speeds, short_of_ends_deg(measured_deg))
+    between = unmeasured_rad_s(nodes_deg, measured_deg, table_deg, speeds)
     top_rad_s = max(max(float(np.max(np.abs(s.settled_rad_s))) for s in stretches), 1e-9)
     at_ends = unheld_rad_s(nodes_deg, every_deg, top_rad_s)
     unmeasured = tuple(float(f"{off:.4g}") for off in np.hypot(between, at_ends))

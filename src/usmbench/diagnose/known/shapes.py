@@ -16,13 +16,16 @@ Array = NDArray[np.float64]
 
 PHASE_NODES = 49
 _APART = 2e-5  # of the range: seven digits tell it
+_ALONE = 4.0  # usual gaps between phases that set an end apart
 _NUDGE = 1e-4  # of the slip at which the torque gives out, and of a window
 _TRACE = 1e-4  # of what a change begins with
 _HELD, _OPEN_END = 8, 0.05  # rows that hold an end of a curve; share of the highest speed
 _NEAR_DEG, _FAR_DEG = 0.25, 5.0  # over which a slope is taken
 
 
-def phase_nodes(phase_deg: Array, speeds_rad_s: Sequence[Array]) -> tuple[float, ...]:
+def phase_nodes(
+    phase_deg: Array, speeds_rad_s: Sequence[Array], also_deg: Sequence[float] = ()
+) -> tuple[float, ...]:
     """Return nodes that share out the phases, the changes of speed, and the bends.
 
     Parameters
@@ -31,18 +34,39 @@ def phase_nodes(phase_deg: Array, speeds_rad_s: Sequence[Array]) -> tuple[float,
         Phases, evenly spaced and rising, shape (N,).
     speeds_rad_s
         Settled speeds there at each operating point, shape (N,) each.
+    also_deg
+        Phases that have to be among them.
     """
     path = np.cumsum(sum(np.abs(np.diff(s, prepend=s[:1])) for s in speeds_rad_s))
     bend = np.cumsum(sum(np.abs(np.gradient(np.gradient(s))) for s in speeds_rad_s))
     along = np.linspace(0.0, 1.0, phase_deg.size)
     for part in (path, bend):
         along = along + part / max(float(part[-1]), 1e-12)
-    nodes = np.interp(np.linspace(0.0, along[-1], PHASE_NODES), along, phase_deg)
+    shared = np.linspace(0.0, along[-1], PHASE_NODES - len(also_deg))
+    nodes = np.sort(np.r_[np.interp(shared, along, phase_deg), also_deg])
     # Where a curve does all at one place, nodes would meet there.
     apart = _APART * (phase_deg[-1] - phase_deg[0]) * np.arange(PHASE_NODES)
     nodes = np.maximum.accumulate(nodes - apart) + apart
     nodes = np.minimum(nodes, phase_deg[-1] - apart[::-1])
     return tuple(float(f"{node:.7g}") for node in nodes)
+
+
+def short_of_ends_deg(measured_deg: Array) -> list[float]:
+    """Return where a drive ends that goes on to its last phases by a jump.
+
+    A warm-up that holds an end is of a colder motor than all the rest.
+
+    Parameters
+    ----------
+    measured_deg
+        Phases that were measured, rising, shape (M,).
+    """
+    if measured_deg.size < 4:
+        return []
+    gaps_deg = np.diff(measured_deg)
+    alone_deg = _ALONE * float(np.median(gaps_deg))
+    ends = zip(measured_deg[[1, -2]], gaps_deg[[0, -1]], strict=True)
+    return [float(inner_deg) for inner_deg, gap_deg in ends if gap_deg > alone_deg]
 
 
 def unmeasured_rad_s(

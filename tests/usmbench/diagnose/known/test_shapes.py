@@ -10,8 +10,10 @@ from hypothesis import strategies as st
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.shapes import (
+    PHASE_NODES,
     detuned_rad_s,
     phase_nodes,
+    short_of_ends_deg,
     shown,
     unheld_rad_s,
     unmeasured_rad_s,
@@ -36,13 +38,38 @@ def _stretch(slip_limit_rad_s: float | None) -> Stretch:
     return stretch
 
 
-@given(st.floats(0.0, 1.0), st.floats(1e-12, 1.0))
-def test_nodes_are_apart_though_a_curve_does_all_at_one_place(at: float, width: float) -> None:
+ALSO_DEG = st.lists(st.floats(-90.0, 90.0), max_size=2)
+
+
+@given(st.floats(0.0, 1.0), st.floats(1e-12, 1.0), ALSO_DEG)
+def test_nodes_are_apart_though_a_curve_does_all_at_one_place(
+    at: float, width: float, also_deg: list[float]
+) -> None:
     phase_deg = np.linspace(-90.0, 90.0, 2001)
     speed_rad_s = 10.0 * np.tanh((phase_deg - 90.0 * (2.0 * at - 1.0)) / width)
-    nodes_deg = np.array(phase_nodes(phase_deg, [speed_rad_s]))
+    nodes_deg = np.array(phase_nodes(phase_deg, [speed_rad_s], also_deg))
+    assert nodes_deg.size == PHASE_NODES
+    nearest_deg = [np.min(np.abs(nodes_deg - asked_deg)) for asked_deg in also_deg]
+    assert max(nearest_deg, default=0.0) < 0.2
     assert np.all(np.diff(nodes_deg) > 0.0)
     assert (nodes_deg[0], nodes_deg[-1]) == (-90.0, 90.0)
+
+
+def test_a_node_stands_where_the_drive_stops_short_of_an_end_that_the_warm_up_holds() -> None:
+    multisine_deg = 89.0 * np.sin(np.linspace(0.0, 40.0, 2000))
+    measured_deg = np.unique(np.r_[multisine_deg, 90.0])
+    (short_deg,) = short_of_ends_deg(measured_deg)
+    assert short_deg == multisine_deg.max()
+    speed_rad_s = np.linspace(-10.0, 10.0, 2001)
+    nodes_deg = phase_nodes(np.linspace(-89.0, 90.0, 2001), [speed_rad_s], [short_deg])
+    assert nodes_deg[-2:] == pytest.approx((short_deg, 90.0))
+
+
+@pytest.mark.parametrize("levels_deg", [np.arange(-90.0, 91.0, 10.0), np.array([0.0, 90.0])])
+def test_a_drive_that_goes_to_its_ends_by_even_steps_stops_short_of_none(
+    levels_deg: np.ndarray,
+) -> None:
+    assert short_of_ends_deg(levels_deg) == []
 
 
 @pytest.mark.parametrize("slip_limit_rad_s", [None, SLIP_RAD_S])
