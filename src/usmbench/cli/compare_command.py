@@ -12,6 +12,7 @@ from usmbench.cli.plot_argument import add_plot_argument
 from usmbench.errors import InputError
 from usmbench.report.plain_text import printable
 from usmbench.runs.comparison import Comparison, compare_pairs, differing_keys
+from usmbench.runs.output_paths import check_outputs
 from usmbench.runs.reader import read_run
 from usmbench.runs.record import Pairs, Record
 
@@ -48,6 +49,7 @@ def run(args: argparse.Namespace) -> int:
     """
     from usmbench.report.comparison_plot import write_comparison_plot
 
+    check_outputs({"--plot": args.plot, "--json": args.json}, [args.first, args.second])
     first, second = read_run(args.first), read_run(args.second)
     comparison = compare_pairs(_pairs(first), _pairs(second))
     keys = list(differing_keys(first.meta, second.meta))

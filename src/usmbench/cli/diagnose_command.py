@@ -16,6 +16,7 @@ from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.model_file import read_model, write_model
 from usmbench.runs.output_files import write_output
+from usmbench.runs.output_paths import check_outputs
 from usmbench.runs.reader import read_run
 
 _BUDGET = 3
@@ -67,13 +68,14 @@ def run(args: argparse.Namespace) -> int:
     Raises
     ------
     usmbench.errors.InputError
-        A run, the model, the bench or the arguments will not do.
+        A run, the model, the bench, an output file or the arguments will not do.
     KeyboardInterrupt
         The user stopped an experiment; the drive is off and the run folder closed.
     usmbench.errors.BenchError
         The bench failed; likewise.
     """
     budget = _checked_budget(args)
+    _check_outputs(args)
     if args.each or args.scheduler is not None:
         return _run_each(args)
     model, records = read_model(args.model), [read_run(path) for path in args.runs]
@@ -91,6 +93,13 @@ def run(args: argparse.Namespace) -> int:
         # What is known by now must not be lost with the bench, or where the user has had enough.
         _write(args, judged, model)
     return 0
+
+
+def _check_outputs(args: argparse.Namespace) -> None:
+    """Refuse files that cannot be written, and what would cost data."""
+    names = ("out", "json", "report", "next")
+    outputs = {f"--{name}": getattr(args, name) for name in names}
+    check_outputs(outputs, [*args.runs, args.model, args.bench])
 
 
 def _decided(

@@ -13,6 +13,7 @@ from usmbench.doctor.examination import examine
 from usmbench.doctor.finding import Finding
 from usmbench.errors import BenchError
 from usmbench.report.plain_text import printable
+from usmbench.runs.output_paths import check_outputs
 from usmbench.settings.bench import BenchSettings
 from usmbench.settings.bench_file import load_bench
 from usmbench.sweep.interrupts import deferred_interrupts
@@ -56,12 +57,13 @@ def run(args: argparse.Namespace) -> int:
     Raises
     ------
     usmbench.errors.InputError
-        The bench file is wrong.
+        The bench file is wrong, or the findings cannot be written.
     KeyboardInterrupt
         The user stopped it; the drive is off.
     usmbench.errors.BenchError
         The drive could not be switched off.
     """
+    check_outputs({"--json": args.json}, [args.bench])
     findings = []
     with (
         deferred_interrupts() as interrupts,

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from usmbench.errors import InputError
 from usmbench.model.run_files import WRITERS
+from usmbench.runs.output_paths import check_outputs
 from usmbench.runs.reader import read_run
 
 _ENDINGS = {".csv": "csv", ".mat": "mat", ".nc": "netcdf", ".parquet": "parquet"}
@@ -46,8 +47,7 @@ def run(args: argparse.Namespace) -> int:
         raise InputError(
             f"its ending does not say the format; add --to {'|'.join(sorted(WRITERS))}", file=file
         )
-    if file.is_dir():
-        raise InputError("is a folder; name the file to write", file=file)
+    check_outputs({"FILE": file}, [args.recorded])
     WRITERS[to](file, read_run(args.recorded))
     print(file)
     return 0

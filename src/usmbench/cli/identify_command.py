@@ -14,6 +14,7 @@ from usmbench.identify.result import Identification
 from usmbench.model.model_file import write_model
 from usmbench.report.identification_table import identification_table
 from usmbench.report.search_trace import write_trace
+from usmbench.runs.output_paths import check_outputs
 from usmbench.runs.reader import read_run
 from usmbench.runs.record import Record
 
@@ -53,9 +54,11 @@ def run(args: argparse.Namespace) -> int:
     Raises
     ------
     InputError
-        A run, an argument or the data will not do.
+        A run, an argument, an output file or the data will not do.
     """
     _check(args)
+    outputs = {"--out": args.out, "--trace": args.trace, "--json": args.json}
+    check_outputs(outputs, args.runs)
     records = [read_run(path) for path in args.runs]
     found = _identify(args, records)
     write_model(args.out, with_knowledge(found.model, records))

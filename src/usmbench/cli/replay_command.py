@@ -10,6 +10,7 @@ from usmbench.cli.json_output import write_json
 from usmbench.errors import InputError
 from usmbench.model.model_file import read_model
 from usmbench.model.replay import Replay, replay_record
+from usmbench.runs.output_paths import check_outputs
 from usmbench.runs.reader import read_run
 
 
@@ -41,7 +42,7 @@ def run(args: argparse.Namespace) -> int:
     Raises
     ------
     InputError
-        The run or the model will not do.
+        The run, the model or an output file will not do.
     """
     if args.bench is not None:
         from usmbench.cli.replay_on_bench import replay_on_bench
@@ -49,6 +50,7 @@ def run(args: argparse.Namespace) -> int:
         return replay_on_bench(args)
     if args.out is not None:
         raise InputError("--out is for --bench; use --plot or --json with --model")
+    check_outputs({"--json": args.json, "--plot": args.plot}, [args.recorded, args.model])
     record, model = read_run(args.recorded), read_model(args.model)
     replay = replay_record(record, model)
     for warning in replay.warnings:

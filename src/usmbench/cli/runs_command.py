@@ -12,6 +12,7 @@ from usmbench.errors import InputError
 from usmbench.report.plain_text import printable
 from usmbench.runs.catalogue import RunSummary, changed_data, find_runs
 from usmbench.runs.condition import parse_condition
+from usmbench.runs.output_paths import check_outputs
 
 RUNS_FOLDER = Path("runs")
 _HEADS = ("run", "started", "plan", "points", "exit", "fit")
@@ -49,8 +50,10 @@ def run(args: argparse.Namespace) -> int:
     Raises
     ------
     usmbench.errors.InputError
-        There is no such folder, a condition is none, or the data of a run is not what it was.
+        There is no such folder, a condition is none, the list cannot be written, or the data of a
+        run is not what it was.
     """
+    check_outputs({"--json": args.json})
     found = find_runs(args.folder, [parse_condition(text) for text in args.find])
     for message in found.unreadable:
         print(printable(f"usmbench: warning: {message}"), file=sys.stderr)

@@ -7,6 +7,7 @@ import numpy as np
 
 from usmbench.cli.plot_argument import add_plot_argument
 from usmbench.report.plain_text import printable
+from usmbench.runs.output_paths import check_outputs
 from usmbench.runs.reader import read_run
 from usmbench.runs.record import Record
 
@@ -43,6 +44,7 @@ def run(args: argparse.Namespace) -> int:
     """
     from usmbench.report.run_plot import write_run_plot
 
+    check_outputs({"--plot": args.plot}, [args.recorded, args.model])
     record = read_run(args.recorded)
     model = None
     if args.model is not None:

@@ -17,6 +17,8 @@ from usmbench.errors import InputError
 from usmbench.report.plain_text import file_name
 from usmbench.runs.columns import RUN_FILE
 from usmbench.runs.meta import read_meta
+from usmbench.runs.output_files import cannot_write
+from usmbench.runs.output_paths import check_outputs
 from usmbench.settings.bench import BenchSettings
 from usmbench.settings.bench_file import load_bench, parse_bench
 from usmbench.settings.plan import Plan
@@ -79,6 +81,7 @@ def run(args: argparse.Namespace) -> int:
         The bench failed; likewise.
     """
     _check_arguments(args)
+    check_outputs({"--frame-log": args.frame_log}, [args.plan, args.bench])
     if args.resume is not None:
         return _resume(args)
     plan = load_plan(args.plan)
@@ -177,7 +180,6 @@ def _frame_log(file: Path | None) -> Iterator[TextIO | None]:
     try:
         log = file.open("w", encoding="utf-8")
     except OSError as error:
-        message = f"cannot be written: {error.strerror}; name another file for --frame-log"
-        raise InputError(message, file=file) from None
+        raise cannot_write(file, error) from error
     with log:
         yield log

@@ -5,6 +5,7 @@ RUN_FILE = "run.yaml"
 WINDOWS_FILE = "windows.csv"
 PAIRS_FILE = "pairs.csv"
 RAW_FILE = "raw.h5"
+DATA_FILES = (WINDOWS_FILE, PAIRS_FILE, RAW_FILE)
 
 WINDOW_COLUMNS = (
     "t_s",

@@ -151,7 +151,7 @@ def test_a_long_run_keeps_its_extremes() -> None:
     [
         (["show", "none"], "none: cannot be read"),
         (["show", "run", "--plot", "run.xyz"], "run.xyz: its ending names no format"),
-        (["show", "run", "--plot", "run"], "run: its ending names no format"),
+        (["show", "run", "--plot", "run"], "run: is what this command reads"),
         (["show", "run", "--plot", "none/run.png"], "none/run.png: cannot be written"),
         (["show", "run", "--model", "none.yaml"], "none.yaml: cannot be read"),
         (["compare", "run", "none"], "none: cannot be read"),

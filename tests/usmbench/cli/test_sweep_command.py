@@ -161,7 +161,7 @@ def wrong(plan: Path, **keys: object) -> Path:
         (["plan.yaml", "--resume", "out"], "leave PLAN.yaml out"),
         (["--resume", "out", "--dry-run"], "leave --dry-run out"),
         (["--resume", "nowhere"], "run.yaml"),
-        (["plan.yaml", "--bench", "simulated", "--frame-log", "a/b"], "another file for"),
+        (["plan.yaml", "--bench", "simulated", "--frame-log", "a/b"], "a folder that exists"),
         (["plan.yaml", "--bench", "simulated", "--seed", "x"], "--seed"),
     ],
 )

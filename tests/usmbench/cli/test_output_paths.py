@@ -1,0 +1,68 @@
+"""Every command looks at its output files before it begins, and never writes over a run."""
+
+from pathlib import Path
+
+import pytest
+
+from usmbench.cli.main import main
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return a run that no command can read: what is told of an output is told before."""
+    monkeypatch.chdir(tmp_path)
+    folder = Path("run")
+    folder.mkdir()
+    for name in ("run.yaml", "windows.csv", "pairs.csv"):
+        (folder / name).write_text("measured")
+    return folder
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["identify", "run", "--out", "FILE"],
+        ["identify", "run", "--out", "m.yaml", "--json", "FILE"],
+        ["identify", "run", "--out", "m.yaml", "--method", "paper", "--trace", "FILE"],
+        ["replay", "run", "--model", "m.yaml", "--json", "FILE"],
+        ["replay", "run", "--model", "m.yaml", "--plot", "FILE"],
+        ["diagnose", "run", "--model", "m.yaml", "--out", "FILE"],
+        ["diagnose", "run", "--model", "m.yaml", "--report", "FILE"],
+        ["diagnose", "run", "--model", "m.yaml", "--next", "FILE"],
+        ["diagnose", "run", "--model", "m.yaml", "--each", "--json", "FILE"],
+        ["runs", "run", "--json", "FILE"],
+        ["show", "run", "--plot", "FILE"],
+        ["compare", "run", "run", "--plot", "FILE"],
+        ["compare", "run", "run", "--json", "FILE"],
+        ["doctor", "--bench", "bench.yaml", "--json", "FILE"],
+        ["export", "run", "FILE", "--to", "csv"],
+        ["sweep", "plan.yaml", "--bench", "bench.yaml", "--frame-log", "FILE"],
+    ],
+)
+def test_an_output_is_looked_at_before_the_work(
+    run: Path, words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    for file, why in (
+        ("run/windows.csv", "is part of the run run; name another file"),
+        ("none/x", "cannot be written (No such file or directory); give a file in a folder that"),
+    ):
+        assert main([file if word == "FILE" else word for word in words]) == 2
+        said = capsys.readouterr()
+        assert said.out == ""
+        assert said.err.startswith(f"usmbench: {file}: {why}")
+        assert said.err.count("\n") == 1
+    assert (run / "windows.csv").read_text() == "measured"
+
+
+def test_one_file_is_no_place_for_two_outputs(
+    run: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["diagnose", "run", "--model", "m.yaml", "--out", "x", "--report", "x", "--json", "x"]
+    assert main(words) == 2
+    assert "usmbench: x: is named by --out and by --json;" in capsys.readouterr().err
+
+
+def test_an_input_is_not_written_over(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("m.yaml").write_text("model")
+    assert main(["diagnose", "run", "--model", "m.yaml", "--out", "m.yaml"]) == 2
+    assert "m.yaml: is what this command reads; name another" in capsys.readouterr().err
