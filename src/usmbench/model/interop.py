@@ -4,6 +4,7 @@ Their packages are imported where they are used: none is needed to run the bench
 """
 
 from dataclasses import fields
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,8 @@ from scipy.io import savemat
 from scipy.signal import TransferFunction
 
 from usmbench.model.hammerstein import HammersteinModel, LinearPart
-from usmbench.model.other_tools import field_names, package, writing
+from usmbench.model.other_tools import field_names, package
+from usmbench.runs.output_files import write_output
 from usmbench.runs.record import Pairs, Record
 
 if TYPE_CHECKING:
@@ -164,8 +166,9 @@ def write_mat(
             }
     if model is not None:
         content["model"] = _model_struct(model)
-    with writing(path):
-        savemat(path, content, oned_as="column", long_field_names=True)
+    file: Any = BytesIO()  # which the stubs of savemat do not know of
+    savemat(file, content, oned_as="column", long_field_names=True)
+    write_output(path, file.getvalue())
 
 
 def _model_struct(model: HammersteinModel) -> dict[str, Any]:

@@ -1,14 +1,11 @@
-"""What writing for other tools has in common: their packages, their names, their errors."""
+"""What writing for other tools has in common: their packages and their names."""
 
 import importlib
 import re
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
-from pathlib import Path
+from collections.abc import Iterable
 from typing import Any, Final
 
 from usmbench.errors import InputError
-from usmbench.runs.output_files import cannot_write
 
 _LONGEST: Final = 63  # MATLAB's namelengthmax
 
@@ -56,23 +53,3 @@ def field_names(names: Iterable[str]) -> dict[str, str]:
 
 def _is_field(name: str) -> bool:
     return re.fullmatch(rf"[A-Za-z][A-Za-z0-9_]{{0,{_LONGEST - 1}}}", name) is not None
-
-
-@contextmanager
-def writing(path: Path) -> Iterator[None]:
-    """Turn what a library raises over a file into what a user can mend.
-
-    Parameters
-    ----------
-    path
-        The file.
-
-    Raises
-    ------
-    usmbench.errors.InputError
-        The file cannot be written.
-    """
-    try:
-        yield
-    except OSError as error:
-        raise cannot_write(path, error) from error

@@ -1,10 +1,12 @@
 """Runs as files of other tools: CSV, Parquet, NetCDF, and MATLAB's."""
 
 from collections.abc import Callable
+from io import BytesIO
 from pathlib import Path
 
 from usmbench.model.interop import to_pandas, to_xarray, write_mat
-from usmbench.model.other_tools import field_names, package, writing
+from usmbench.model.other_tools import field_names, package
+from usmbench.runs.output_files import write_output
 from usmbench.runs.record import Record
 
 
@@ -23,9 +25,7 @@ def write_csv(path: Path, record: Record) -> None:
     InputError
         pandas is not installed, or the file cannot be written.
     """
-    table = to_pandas(record)
-    with writing(path):
-        table.to_csv(path, float_format="%.12g")
+    write_output(path, to_pandas(record).to_csv(float_format="%.12g"))
 
 
 def write_parquet(path: Path, record: Record) -> None:
@@ -44,9 +44,7 @@ def write_parquet(path: Path, record: Record) -> None:
         pandas or pyarrow is not installed, or the file cannot be written.
     """
     package("pyarrow")
-    table = to_pandas(record)
-    with writing(path):
-        table.to_parquet(path, engine="pyarrow")
+    write_output(path, to_pandas(record).to_parquet(engine="pyarrow"))
 
 
 def write_netcdf(path: Path, record: Record) -> None:
@@ -67,15 +65,18 @@ def write_netcdf(path: Path, record: Record) -> None:
     InputError
         xarray or h5netcdf is not installed, or the file cannot be written.
     """
-    package("h5netcdf")
+    h5netcdf = package("h5netcdf")
     data = to_xarray(record)
     names = field_names([str(name) for name in data.variables])
     for name, field in names.items():
         if field != name:
             data[name].attrs["long_name"] = name
     data = data.rename({name: field for name, field in names.items() if field != name})
-    with writing(path):
-        data.to_netcdf(path, engine="h5netcdf")
+    # In memory: HDF5 brings the process down where the disk has no room for its file.
+    content = BytesIO()
+    with h5netcdf.File(content, "w") as file:
+        data.dump_to_store(package("xarray").backends.H5NetCDFStore(file))
+    write_output(path, content.getvalue())
 
 
 # What each format of `usmbench export` is written by.

@@ -105,6 +105,22 @@ def test_what_went_out_comes_back(run: Path, name: str, capsys: pytest.CaptureFi
         assert done.returncode == 0, done.stdout
 
 
+@pytest.mark.parametrize("name", ["run.csv", "run.mat", "run.nc", "run.parquet"])
+def test_what_does_not_fit_leaves_the_old_file(run: Path, name: str) -> None:
+    file = run.parent / name
+    file.write_text("old")
+    before = sorted(run.parent.iterdir())
+    words = [sys.executable, "-m", "usmbench", "export", str(run), str(file)]
+    done = subprocess.run(
+        ["sh", "-c", 'ulimit -f 1; exec "$@"', "sh", *words], capture_output=True, text=True
+    )
+    assert done.returncode == 2
+    assert done.stderr.startswith(f"usmbench: {file}: cannot be written (File too large); raise")
+    assert done.stderr.count("\n") == 1
+    assert file.read_text() == "old"
+    assert sorted(run.parent.iterdir()) == before
+
+
 def test_names_that_a_format_cannot_take_are_changed_and_nothing_is_lost(tmp_path: Path) -> None:
     names = ["a/b", "a_b", "", "1x", "_x", "y" * 80, "y" * 81, "π", "t.s", "note"]
     rows = [[k] * 2 + [10 * k + i for i in range(9)] + ["é$"] for k in (1, 2)]
