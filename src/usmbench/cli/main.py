@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Sequence
 from io import TextIOWrapper
+from pathlib import Path
 from typing import NoReturn
 
 from usmbench import __version__
@@ -83,7 +84,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     arguments
         The command line without the program's name; None takes it from the process.
     """
-    _take_any_text()
+    _prepare_output()
     words = _joined(sys.argv[1:] if arguments is None else arguments)
     command = next((word for word in words if word in COMMANDS), None)
     try:
@@ -118,8 +119,13 @@ def _run(words: Sequence[str], command: str | None) -> int:
     return status
 
 
-def _take_any_text() -> None:
-    """Show what a terminal or a file cannot encode as a question mark."""
+def _prepare_output() -> None:
+    """Open what was closed (``>&-``), and show what cannot be encoded as a question mark."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            # Takes the closed descriptor's place, which a data file would get otherwise.
+            nowhere = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115 - to the end
+            setattr(sys, name, nowhere)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="replace")

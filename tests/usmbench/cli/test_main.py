@@ -112,6 +112,20 @@ def _printing_to(target: str, *words: str, encoding: str = "utf-8") -> tuple[int
     return done.returncode, done.stderr
 
 
+@pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-", "<&- >&- 2>&-"])
+def test_an_output_that_is_closed_is_no_error(closed: str, tmp_path: Path) -> None:
+    words = [sys.executable, "-m", "usmbench", "runs", str(tmp_path), "--json"]
+    for target in ("-", str(tmp_path / "runs.json")):
+        done = subprocess.run(
+            ["sh", "-c", f'exec "$@" {closed}', "sh", *words, target],
+            capture_output=True,
+            text=True,
+        )
+        assert done.returncode == 0
+        assert done.stderr == ""
+    assert (tmp_path / "runs.json").read_text() == '{\n  "runs": []\n}\n'
+
+
 def test_an_output_that_is_full_is_one_line() -> None:
     status, said = _printing_to("/dev/full", "sweep", "phase-sweep", "--dry-run")
     assert status == 2
