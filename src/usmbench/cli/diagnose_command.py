@@ -149,6 +149,7 @@ def _run_each(args: argparse.Namespace) -> int:
                 print(f"\r{n_done} of {len(entries)} runs", end="", file=sys.stderr, flush=True)
     if sys.stderr.isatty():
         print(file=sys.stderr)
+    _warn(warning for entry in entries for warning in entry.get("warnings", ()))
     if args.json:
         write_json(args.json, {"runs": entries})
     if args.json != "-":

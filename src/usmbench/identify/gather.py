@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from usmbench.errors import InputError
 from usmbench.identify.data import Dataset, FittedRun, Point, Segment, describe
 from usmbench.identify.wild_rows import BEYOND, wild_rows
-from usmbench.runs.check_record import check_numbers, check_together
+from usmbench.runs.check_record import changed_since_closed, check_numbers, check_together
 from usmbench.runs.record import Record
 from usmbench.runs.time_step import alike, breaks
 
@@ -40,7 +40,7 @@ def from_windows(records: Sequence[Record]) -> Dataset:
     window_s = float(np.median(records[0].window_s))
     found: list[tuple[Point, Segment]] = []
     runs: list[FittedRun] = []
-    warnings: list[str] = []
+    warnings = changed_since_closed(records)
     check_together(records)
     for number, record in enumerate(records):
         check_numbers(record)
@@ -81,7 +81,7 @@ def from_pairs(records: Sequence[Record]) -> Dataset:
     """
     found: list[tuple[Point, Segment]] = []
     runs: list[FittedRun] = []
-    warnings: list[str] = []
+    warnings = changed_since_closed(records)
     check_together(records)
     for number, record in enumerate(records):
         check_numbers(record)

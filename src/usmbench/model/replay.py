@@ -11,7 +11,7 @@ from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.same_windows import check_windows
 from usmbench.model.scores import fit_percent, rmse
 from usmbench.model.simulate import Simulation, simulate
-from usmbench.runs.check_record import check_numbers
+from usmbench.runs.check_record import changed_since_closed, check_numbers
 from usmbench.runs.record import Column, Record
 
 
@@ -63,7 +63,7 @@ def replay_record(record: Record, model: HammersteinModel) -> Replay:
         outside the model's range.
     """
     check_numbers(record)
-    warnings = _check_windows(record, model)
+    warnings = [*changed_since_closed([record]), *_check_windows(record, model)]
     simulation = simulate(
         model,
         record.phase_deg,

@@ -1,4 +1,4 @@
-"""Rows that no command can take, and runs that do not belong together, refused in one way."""
+"""Runs that no command can take, or not together, refused in one way; or doubted, in one way."""
 
 from collections.abc import Sequence
 
@@ -63,3 +63,21 @@ def check_together(records: Sequence[Record]) -> None:
                 f"{record.name}: is the same run as {seen[str(identity)]}; give each run once"
             )
         seen[str(identity)] = record.name
+
+
+def changed_since_closed(records: Sequence[Record]) -> list[str]:
+    """Warn of runs whose data are not what they were when the run was closed.
+
+    They may have been mended by hand: they are taken as they are now.
+
+    Parameters
+    ----------
+    records
+        The runs.
+    """
+    return [
+        f"{record.name}: {' and '.join(record.changed)} changed after the run was closed, by the "
+        "check sums in its run.yaml; judged as it is now, restore it from a copy if nobody meant it"
+        for record in records
+        if record.changed
+    ]

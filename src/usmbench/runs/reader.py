@@ -16,7 +16,7 @@ from usmbench.runs.columns import (
 )
 from usmbench.runs.csv_table import Table, read_table
 from usmbench.runs.dwells import derive_pairs
-from usmbench.runs.meta import read_meta
+from usmbench.runs.meta import changed_files, read_meta
 from usmbench.runs.record import Column, Pairs, Record
 from usmbench.runs.time_step import UNKNOWN_S, usual_step_s
 
@@ -74,8 +74,18 @@ def read_run(path: Path | str) -> Record:
         pairs=pairs or derive_pairs(t_s, columns["phase_deg"], columns["speed_rad_s"], optional),
         meta=meta,
         extra={name: column for name, column in table.columns.items() if name not in _KNOWN},
+        changed=_changed(path, meta),
         **optional,
     )
+
+
+def _changed(folder: Path, meta: dict[str, Any]) -> tuple[str, ...]:
+    """Hold what is read against its check sums; raw.h5, which may be large, is not read."""
+    sums = meta.get("sha256")
+    if not isinstance(sums, dict):
+        return ()
+    ours = {name: sums[name] for name in (WINDOWS_FILE, PAIRS_FILE) if name in sums}
+    return tuple(changed_files(folder, ours))
 
 
 def _as_column(table: Table, name: str) -> Column | None:

@@ -62,6 +62,8 @@ class Record:
         What run.yaml says; empty for a bare CSV.
     extra
         Every other column by its name, as numbers where it holds nothing else, else as text.
+    changed
+        Files the run was read from that are not what they were when it was closed.
     """
 
     name: str
@@ -78,6 +80,7 @@ class Record:
     pairs: Pairs | None = None
     meta: dict[str, Any] = field(default_factory=dict)
     extra: dict[str, Column | NDArray[np.str_]] = field(default_factory=dict)
+    changed: tuple[str, ...] = ()
 
     @property
     def count_rad(self) -> float | None:

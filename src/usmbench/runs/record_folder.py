@@ -19,7 +19,7 @@ from usmbench.runs.files import replace_file
 from usmbench.runs.meta import sha256_of
 from usmbench.runs.record import Pairs, Record
 
-_NOT_COLUMNS = ("name", "pairs", "meta", "extra")
+_NOT_COLUMNS = ("name", "pairs", "meta", "extra", "changed")
 
 
 def write_record(folder: Path, record: Record, meta: Mapping[str, Any]) -> None:

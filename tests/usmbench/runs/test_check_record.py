@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from usmbench.errors import InputError
-from usmbench.runs.check_record import check_numbers, check_together
+from usmbench.runs.check_record import changed_since_closed, check_numbers, check_together
 from usmbench.runs.record import Record
 
 T_S = 0.01 * np.arange(1.0, 6.0)
@@ -44,3 +44,10 @@ def test_a_run_that_is_given_twice_is_refused() -> None:
     check_together([first, other, RECORD, RECORD])
     with pytest.raises(InputError, match="copy: is the same run as a; give each run once"):
         check_together([first, other, replace(first, name="copy")])
+
+
+def test_data_that_changed_after_the_run_was_closed_are_told() -> None:
+    assert changed_since_closed([RECORD]) == []
+    changed = replace(RECORD, changed=("windows.csv", "pairs.csv"))
+    (said,) = changed_since_closed([RECORD, changed])
+    assert said.startswith("a run: windows.csv and pairs.csv changed after the run was closed")

@@ -295,3 +295,25 @@ def test_a_clocks_time_is_counted_from_the_first_row(
     record = read_run(tmp_path / "clock.csv")
     assert record.t_s[0] == pytest.approx(first_s, abs=1e-5)
     assert record.t_s[-1] - record.t_s[0] == pytest.approx(0.19, abs=1e-5)
+
+
+def test_files_that_are_not_what_they_were_are_known(
+    tmp_path: Path, fill: Callable[[RunWriter, int, int], None]
+) -> None:
+    folder = tmp_path / "run"
+    writer = RunWriter.create(folder, {}, temperature=False, raw=False)
+    fill(writer, 0, 3)
+    assert read_run(folder).changed == ()
+    writer.close("completed")
+    assert read_run(folder).changed == ()
+    windows, pairs = folder / "windows.csv", folder / "pairs.csv"
+    windows.write_bytes(windows.read_bytes()[:-200])
+    assert read_run(folder).changed == ("windows.csv",)
+    pairs.unlink()
+    assert read_run(folder).changed == ("windows.csv", "pairs.csv")
+
+
+def test_sums_that_are_none_are_no_reason_not_to_read(tmp_path: Path) -> None:
+    said = "format: usmbench-run/1\nsha256: unknown\n"
+    folder = run_folder(tmp_path, "t_s,phase_deg,speed_rad_s\n0.01,1,2\n", said)
+    assert read_run(folder).changed == ()

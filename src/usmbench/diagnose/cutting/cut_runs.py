@@ -21,7 +21,7 @@ from usmbench.model.mixed_curve import beyond_range
 from usmbench.model.operating_points import places_among, point_weights
 from usmbench.model.replay import middle_angle_rad
 from usmbench.model.resonance_slope import point_slopes
-from usmbench.runs.check_record import check_together
+from usmbench.runs.check_record import changed_since_closed, check_together
 from usmbench.runs.dwells import dwell_begin
 from usmbench.runs.record import Record
 from usmbench.runs.time_step import breaks
@@ -62,7 +62,7 @@ def cut_runs(
     along = point_slopes(model.points)
     slopes = None if along is None else [slope.rad_s(NODES_DEG) for slope in along]
     stretches: list[Stretch] = []
-    warnings: list[str] = []
+    warnings = changed_since_closed(records)
     check_together(records)
     for record in records:
         check_run(record, model)
