@@ -45,6 +45,8 @@ def run(args: argparse.Namespace) -> int:
         The run, the model or an output file will not do.
     """
     if args.bench is not None:
+        if args.json is not None or args.plot is not None:
+            raise InputError("--json and --plot are for --model; replay the new run through one")
         from usmbench.cli.replay_on_bench import replay_on_bench
 
         return replay_on_bench(args)

@@ -108,6 +108,8 @@ def test_a_run_of_another_kind_is_refused(
         (["--model", "none.yaml"], "none.yaml: cannot be read"),
         (["--model", "M", "--bench", "simulated"], "not allowed with"),
         (["--model", "M", "--out", "x"], "--out is for --bench"),
+        (["--bench", "simulated", "--json", "x"], "--json and --plot are for --model"),
+        (["--bench", "simulated", "--plot", "x.png"], "--json and --plot are for --model"),
         (["--model", "M", "--plot", "x.nothing"], "give a .png, .svg or .pdf"),
     ],
 )
