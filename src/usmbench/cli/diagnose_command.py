@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import yaml
@@ -11,6 +11,7 @@ from usmbench.cli.deciding_runs import Judged, check_bench, decide, judge
 from usmbench.cli.each_run import Entry, diagnose_each, each_table
 from usmbench.cli.executors import all_cores, cluster
 from usmbench.cli.json_output import write_json
+from usmbench.cli.output import warn
 from usmbench.diagnose.result import Diagnosis
 from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel
@@ -81,7 +82,7 @@ def run(args: argparse.Namespace) -> int:
     model, records = read_model(args.model), [read_run(path) for path in args.runs]
     runs = args.runs_folder or Path("runs")
     if args.bench is not None:
-        _warn(check_bench(records, args.bench, runs))
+        warn(check_bench(records, args.bench, runs))
     judged = judge(records, model)
     _say(args, judged)
     try:
@@ -123,15 +124,9 @@ def _decided(
 
 def _say(args: argparse.Namespace, judged: Judged) -> None:
     """Say what was found, unless standard output is for the JSON alone."""
-    _warn(judged.diagnosis.warnings)
+    warn(judged.diagnosis.warnings)
     if args.json != "-":
         print(_lines(judged.diagnosis), flush=True)
-
-
-def _warn(warnings: Iterable[str]) -> None:
-    """Print warnings."""
-    for warning in warnings:
-        print(f"usmbench: warning: {warning}", file=sys.stderr)
 
 
 def _run_each(args: argparse.Namespace) -> int:
@@ -149,7 +144,7 @@ def _run_each(args: argparse.Namespace) -> int:
                 print(f"\r{n_done} of {len(entries)} runs", end="", file=sys.stderr, flush=True)
     if sys.stderr.isatty():
         print(file=sys.stderr)
-    _warn(warning for entry in entries for warning in entry.get("warnings", ()))
+    warn(warning for entry in entries for warning in entry.get("warnings", ()))
     if args.json:
         write_json(args.json, {"runs": entries})
     if args.json != "-":

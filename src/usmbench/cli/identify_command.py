@@ -1,11 +1,11 @@
 """``usmbench identify``: from runs to a model."""
 
 import argparse
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 from usmbench.cli.json_output import write_json
+from usmbench.cli.output import warn
 from usmbench.diagnose.reference import with_knowledge
 from usmbench.errors import InputError
 from usmbench.identify.fast import FastOptions, identify_fast
@@ -62,8 +62,7 @@ def run(args: argparse.Namespace) -> int:
     records = [read_run(path) for path in args.runs]
     found = _identify(args, records)
     write_model(args.out, with_knowledge(found.model, records))
-    for warning in found.warnings:
-        print(f"usmbench: warning: {warning}", file=sys.stderr)
+    warn(found.warnings)
     if args.json:
         write_json(args.json, found.to_json())
     if args.json != "-":

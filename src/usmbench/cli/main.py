@@ -95,7 +95,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return error.exit_status
     except KeyboardInterrupt as wish:
         # Who stopped it, where that was not Ctrl-C.
-        print(f"usmbench: {str(wish) or 'stopped by the user'}", file=sys.stderr)
+        print(printable(f"usmbench: {str(wish) or 'stopped by the user'}"), file=sys.stderr)
         return STOPPED_BY_USER
     except BrokenPipeError:
         # The reader of our output has gone (a pager that was quit): nothing left to say.
@@ -104,7 +104,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         drop_output()
         where = error.filename or "standard output"
-        print(f"usmbench: {where}: {error.strerror or error}; look at it", file=sys.stderr)
+        said = f"usmbench: {where}: {error.strerror or error}; look at it"
+        print(printable(said), file=sys.stderr)
         return InputError.exit_status
 
 

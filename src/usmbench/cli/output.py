@@ -1,8 +1,11 @@
-"""Standard output that may go away while a command works."""
+"""What a command prints: to somebody who may go away, and nothing that a terminal obeys."""
 
 import os
 import sys
+from collections.abc import Iterable
 from contextlib import suppress
+
+from usmbench.report.plain_text import printable
 
 
 def drop_output() -> None:
@@ -23,3 +26,15 @@ def print_or_drop(text: object) -> None:
         print(text, flush=True)
     except OSError:
         drop_output()
+
+
+def warn(warnings: Iterable[str]) -> None:
+    """Print warnings, one line each.
+
+    Parameters
+    ----------
+    warnings
+        What the user ought to know; names from files that others wrote may be among it.
+    """
+    for warning in warnings:
+        print(printable(f"usmbench: warning: {warning}"), file=sys.stderr)

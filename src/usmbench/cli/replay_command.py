@@ -1,12 +1,12 @@
 """``usmbench replay``: a run's commands through a model, or through a bench again."""
 
 import argparse
-import sys
 from pathlib import Path
 
 import numpy as np
 
 from usmbench.cli.json_output import write_json
+from usmbench.cli.output import warn
 from usmbench.errors import InputError
 from usmbench.model.model_file import read_model
 from usmbench.model.replay import Replay, replay_record
@@ -55,8 +55,7 @@ def run(args: argparse.Namespace) -> int:
     check_outputs({"--json": args.json, "--plot": args.plot}, [args.recorded, args.model])
     record, model = read_run(args.recorded), read_model(args.model)
     replay = replay_record(record, model)
-    for warning in replay.warnings:
-        print(f"usmbench: warning: {warning}", file=sys.stderr)
+    warn(replay.warnings)
     if args.plot is not None:
         from usmbench.report.replay_plot import write_replay_plot
 

@@ -1,15 +1,14 @@
 """``usmbench runs``: what was measured, found by what run.yaml says, and held to its check sums."""
 
 import argparse
-import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 from usmbench.cli.json_output import write_json
+from usmbench.cli.output import warn
 from usmbench.cli.text_table import text_table
 from usmbench.errors import InputError
-from usmbench.report.plain_text import printable
 from usmbench.runs.catalogue import RunSummary, changed_data, find_runs
 from usmbench.runs.condition import parse_condition
 from usmbench.runs.output_paths import check_outputs
@@ -55,8 +54,7 @@ def run(args: argparse.Namespace) -> int:
     """
     check_outputs({"--json": args.json})
     found = find_runs(args.folder, [parse_condition(text) for text in args.find])
-    for message in found.unreadable:
-        print(printable(f"usmbench: warning: {message}"), file=sys.stderr)
+    warn(found.unreadable)
     fits = model_fits(args.folder, found.runs)
     changed = _changed(found.runs) if args.check else {}
     if args.json:

@@ -62,3 +62,21 @@ def test_data_that_changed_after_the_run_was_closed_are_told(
         assert main([*words, "--each"]) == 0
         said = capsys.readouterr()
         assert said.err.count("windows.csv changed after the run was closed") == 1
+
+
+@pytest.mark.parametrize("command", JUDGING)
+def test_a_name_in_a_warning_moves_no_cursor(
+    command: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_model(Path("model.yaml"), motor())
+    run = closed_run(Path("a\x1b[31m\nrun"))
+    (run / "pairs.csv").unlink()
+    words = [str(run) if word == "RUN" else word for word in command.split()]
+    assert main(words) == 0
+    said = capsys.readouterr().err
+    assert "usmbench: warning: a�[31m�run: pairs.csv changed after" in said
+    assert "\x1b" not in said
