@@ -11,7 +11,7 @@ from typing import NoReturn
 
 from usmbench import __version__
 from usmbench.cli.output import drop_output
-from usmbench.errors import InputError, UsmbenchError
+from usmbench.errors import InputError, OneLineParser, UsmbenchError
 from usmbench.report.plain_text import printable
 
 STOPPED_BY_USER = 130
@@ -33,16 +33,13 @@ COMMANDS = {
     "demo": "all of it on the simulated testbed",
 }
 
+_DESCRIPTION = (
+    "Bench stack for travelling-wave ultrasonic motors: drive one through a sweep, identify a "
+    "model of it, and find what that model gets wrong, and why. A run is a folder, or a CSV file."
+)
+
 # Options whose value is a list of numbers, such as -90,0,90.
 LIST_OPTIONS = {"--knots"}
-
-
-class _OneLineParser(argparse.ArgumentParser):
-    """An argument parser whose errors are one line, like every other bad input."""
-
-    def error(self, message: str) -> NoReturn:
-        """Raise the usage error as bad input."""
-        raise InputError(f"{message} (see `{self.prog} --help`)")
 
 
 def build_parser(command: str | None = None) -> argparse.ArgumentParser:
@@ -53,7 +50,7 @@ def build_parser(command: str | None = None) -> argparse.ArgumentParser:
     command
         The only subcommand whose arguments are wanted: importing the others costs a second.
     """
-    parser = _OneLineParser(prog="usmbench", description=__doc__)
+    parser = OneLineParser(prog="usmbench", description=_DESCRIPTION)
     parser.add_argument("--version", action="version", version=f"usmbench {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for name, summary in COMMANDS.items():
@@ -111,6 +108,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(words: Sequence[str], command: str | None) -> int:
     """Run the command, and print all that it says."""
+    _refuse_empty(words)
     parsed, unknown = build_parser(command).parse_known_args(words)
     if unknown:
         said = f"unrecognized arguments: {' '.join(unknown)}"
@@ -118,6 +116,19 @@ def _run(words: Sequence[str], command: str | None) -> int:
     status = int(parsed.run(parsed))
     sys.stdout.flush()
     return status
+
+
+def _refuse_empty(words: Sequence[str]) -> None:
+    """Refuse an argument without a value, such as a variable that a script forgot to set."""
+    for before, word in zip(["", *words], words, strict=False):
+        name, equals, value = word.partition("=")
+        if name.startswith("--") and equals and not value:
+            what = name
+        elif not word:
+            what = before if before.startswith("--") else "an argument"
+        else:
+            continue
+        raise InputError(f"{what} is empty; give it a value, or leave it out")
 
 
 def _prepare_output() -> None:

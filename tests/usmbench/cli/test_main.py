@@ -17,6 +17,31 @@ def test_the_version_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().out == f"usmbench {__version__}\n"
 
 
+def test_the_help_says_what_the_program_does(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    said = capsys.readouterr().out
+    assert "ultrasonic motors: drive one" in said
+    assert "one module a subcommand" not in said
+
+
+@pytest.mark.parametrize(
+    ("words", "what"),
+    [
+        (["sweep", "phase-sweep", "--bench", "simulated", "--out", ""], "--out"),
+        (["sweep", "phase-sweep", "--bench", "simulated", "--out="], "--out"),
+        (["identify", "", "--out", "x"], "an argument"),
+        (["identify", "x", "--out", "x", "--knots", ""], "--knots"),
+    ],
+)
+def test_an_empty_argument_is_named(
+    words: list[str], what: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(words) == 2
+    said = capsys.readouterr().err
+    assert said == f"usmbench: {what} is empty; give it a value, or leave it out\n"
+
+
 @pytest.mark.parametrize("command", sorted(COMMANDS))
 def test_every_command_explains_itself(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as left:
