@@ -18,14 +18,15 @@ from hil_sim.gpsim_bridge import GpsimBridge
 from hil_sim.plant import MotorPlant, PlantParameters
 from hil_sim.running import RunningTestbed
 from hil_sim.testbed import BoardMachine, FaultablePlant
-from usmbench.errors import BenchError, InputError, UsmbenchError
+from usmbench.errors import BenchError, InputError, OneLineParser, UsmbenchError
+from usmbench.report.plain_text import printable
 
 # The pseudo-terminal's thread must get its turn within a byte's time, whatever the others compute.
 _SWITCH_INTERVAL_S: Final = 100e-6
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = OneLineParser(
         prog="python -m hil_sim",
         description="Simulated testbed: signal generator board, USR60 motor, encoder and DAQ card.",
     )
@@ -152,7 +153,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         _run(_parser().parse_args(argv))
     except UsmbenchError as error:
-        print(f"hil_sim: {error}", file=sys.stderr)
+        print(printable(f"hil_sim: {error}"), file=sys.stderr)
         return error.exit_status
     except OSError as error:
         print(f"hil_sim: no port or pseudo-terminal can be opened: {error}", file=sys.stderr)

@@ -93,5 +93,9 @@ def parse_defect(text: str) -> Defect:
     except ValueError:
         value = math.nan
     if not abs(value) < _BEYOND:
-        raise InputError(f"defect {text!r}: {size!r} is no size; give a number in {kind.unit}")
+        unit = f" in {kind.unit}" if kind.unit else ""
+        raise InputError(
+            f"defect {text!r}: {size!r} is no size; give a number{unit} between {-_BEYOND:g} and "
+            f"{_BEYOND:g}, such as {kind.typical:g}"
+        )
     return kind(value)

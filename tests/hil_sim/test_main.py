@@ -86,6 +86,9 @@ def test_a_signal_ends_it_without_a_word(number: signal.Signals) -> None:
         (["--seed", "-1"], "seed"),
         (["--defect", "gremlin"], "no such mechanism"),
         (["--defect", "command_queue=long"], "give a number in ms"),
+        (["--fault-file", "a\x1b[31m.yaml"], "a\ufffd[31m.yaml"),
+        (["--nonsense"], "unrecognized arguments: --nonsense (see `python -m hil_sim --help`)"),
+        (["--board", "wooden"], "invalid choice: 'wooden'"),
     ],
 )
 def test_a_wrong_argument_is_one_line_and_status_2(
