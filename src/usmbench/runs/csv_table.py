@@ -128,7 +128,7 @@ def _names(path: Path, content: bytes, needed: Collection[str]) -> list[str]:
     if missing:
         raise InputError(
             f"no column {missing[0]!r}; the first line must name the columns, "
-            f"separated by commas, {', '.join(needed)} among them",
+            f"separated by commas, {', '.join(needed)} among them{_hint(head)}",
             file=path,
             line=1,
         )
@@ -136,6 +136,14 @@ def _names(path: Path, content: bytes, needed: Collection[str]) -> list[str]:
         twice = next(name for name in names if names.count(name) > 1)
         raise InputError(f"column {twice!r} stands twice; rename one", file=path, line=1)
     return names
+
+
+def _hint(head: str) -> str:
+    """Say how a file comes in whose columns stand between something else than commas."""
+    for mark, name in ((";", "semicolons"), ("\t", "tabs")):
+        if mark in head and "," not in head:
+            return f"; these stand between {name}: bring the file in with `usmbench import`"
+    return ""
 
 
 def _row_by_row(

@@ -217,6 +217,8 @@ def test_columns_of_the_users_own_are_kept(tmp_path: Path) -> None:
     ("text", "line", "says"),
     [
         ("phase,speed\n1,2\n", 1, "no column 'phase_deg'"),
+        ("phase_deg;speed_rad_s\n1,5;2\n", 1, "between semicolons: bring the file in with `usm"),
+        ("phase_deg\tspeed_rad_s\n1\t2\n", 1, "between tabs: bring the file in with `usmbench"),
         ("phase_deg,speed_rad_s,phase_deg\n1,2,3\n", 1, "stands twice"),
         ("phase_deg,speed_rad_s\n1,2\n1,fast\n", 3, "speed_rad_s is 'fast'"),
         ("phase_deg,speed_rad_s\n1,2\n\n1,nan\n", 4, "speed_rad_s is nan"),

@@ -68,6 +68,7 @@ PASS = "passes: [{phase_deg: [0, 10]}]\n"
         (PASS + "excitation: {kind: telegraph, amplitude_deg: 9, duration_s: 1}\n", 1, "both"),
         ("name: nothing\n", 1, "neither passes nor excitation"),
         (PASS + "limits: {overspeed_rad_s: 0}\n", 4, "0 is not above 0; choose more than 0"),
+        (PASS + "name: ''\n", 4, "has 0 characters; give at least 1"),
         (PASS + f"name: {'x' * 101}\n", 4, "has 101 characters; give at most 100"),
     ],
 )
