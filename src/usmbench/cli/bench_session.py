@@ -11,6 +11,7 @@ from usmbench.cli.simulated_bench import SimulatedOperator, simulated_settings, 
 from usmbench.instruments.generator import SignalGenerator
 from usmbench.instruments.nidaq import NiSampleSource
 from usmbench.instruments.samples import SampleSource
+from usmbench.runs.pauses import COOLED_S
 from usmbench.settings.bench import BenchSettings
 from usmbench.settings.bench_file import load_bench
 from usmbench.sweep.operator import Operator, TerminalOperator
@@ -34,6 +35,8 @@ class Bench:
         Who sets the load.
     clock
         Seconds that pass on this bench.
+    rested_s
+        For how long at least its motor has rested when the bench opens.
     """
 
     settings: BenchSettings
@@ -41,6 +44,7 @@ class Bench:
     source: SampleSource
     operator: Operator
     clock: Callable[[], float] = time.monotonic
+    rested_s: float = 0.0
 
 
 @contextmanager
@@ -70,10 +74,12 @@ def open_bench(
     """
     with ExitStack() as stack:
         operator: Operator = TerminalOperator(sys.stderr)
+        rested_s = 0.0
         if bench == SIMULATED:
             testbed = stack.enter_context(start_testbed(["--lock-step", *testbed_arguments]))
             settings = simulated_settings(BenchSettings(), testbed.port, testbed.daq_address)
-            operator = SimulatedOperator(testbed)
+            # Its motor is made anew, cold and at rest, however short the wait was.
+            operator, rested_s = SimulatedOperator(testbed), COOLED_S
         else:
             settings = bench if isinstance(bench, BenchSettings) else load_bench(bench)
         # The card first: where it is missing the board has not been touched yet, and on the way out
@@ -84,4 +90,4 @@ def open_bench(
         generator = stack.enter_context(
             SignalGenerator.open(settings.generator, frame_log=frame_log)
         )
-        yield Bench(settings, generator, source, operator)
+        yield Bench(settings, generator, source, operator, rested_s=rested_s)

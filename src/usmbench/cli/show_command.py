@@ -66,9 +66,8 @@ def _lines(record: Record, plot: Path) -> list[tuple[str, str]]:
     if isinstance(plan, dict) and plan.get("name") is not None:
         lines.append(("plan", str(plan["name"])))
     window_s = float(np.median(record.window_s))
-    lines.append(
-        ("windows", f"{len(speed)} of {1e3 * window_s:.4g} ms, {record.t_s[-1]:.2f} s in all")
-    )
+    in_all_s = record.window_s.sum()
+    lines.append(("windows", f"{len(speed)} of {1e3 * window_s:.4g} ms, {in_all_s:.2f} s in all"))
     lines.append(("speed", f"{speed.min():.4g} to {speed.max():.4g} rad/s"))
     if record.temperature_c is not None and np.isfinite(record.temperature_c).any():
         low, high = np.nanmin(record.temperature_c), np.nanmax(record.temperature_c)

@@ -159,7 +159,10 @@ def _resume(args: argparse.Namespace) -> int:
     bench: str | BenchSettings = args.bench or parse_bench(_part(folder, meta, "bench"))
     if isinstance(bench, BenchSettings) and bench.name == SIMULATED:
         bench = SIMULATED
-    motor = SimulatedMotor.of_run(meta if bench == SIMULATED else {})
+    taken_up = meta.get("resumed")
+    later = 1 + (len(taken_up) if isinstance(taken_up, list) else 0)
+    # The same noise twice in a run would look like a cause.
+    motor = SimulatedMotor.of_run(meta, later=later) if bench == SIMULATED else SimulatedMotor()
     args.seed, args.defect = motor.seed, motor.defects
     return _drive(args, bench, plan, folder)
 

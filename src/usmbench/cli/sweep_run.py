@@ -192,7 +192,7 @@ def sweep_again(
 ) -> None:
     """Take up an interrupted run at the dwell where it stopped.
 
-    The warm-up is driven again; the rows go on where they ended.
+    The warm-up is driven again; the rows go on behind those there are, and their time by the pause.
 
     Parameters
     ----------
@@ -218,6 +218,7 @@ def sweep_again(
     with deferred_interrupts():
         writer = RunWriter.resume(folder)
         stopped = writer.stopped_at
-        start = Start(stopped.t_s, stopped.angle_rad)
+        pause_s = max(bench.rested_s, bench.settings.window_s)
+        start = Start(writer.resumes_at_s(pause_s), stopped.angle_rad)
         job = plan_job(plan, bench.settings, stopped.last_dwell + 1, start)
         measure(bench, job, writer, observer)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from usmbench.diagnose.anew.identify_anew import identified_anew
-from usmbench.diagnose.cutting.check_runs import check_moves
+from usmbench.diagnose.cutting.check_runs import FEWEST_WINDOWS, check_moves
 from usmbench.diagnose.cutting.command_times import (
     any_moment_s,
     at_unknown_moments,
@@ -40,6 +40,7 @@ from usmbench.model.effects.base import Effect
 from usmbench.model.effects.registry import library
 from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
+from usmbench.runs.pauses import cold_starts
 from usmbench.runs.record import Record
 
 _MOST_POINTS = 3000
@@ -60,6 +61,7 @@ def diagnose(records: Sequence[Record], model: HammersteinModel) -> Diagnosis:
     usmbench.errors.InputError
         Runs that do not belong to the model or together, or too short to say anything.
     """
+    records = [part for record in records for part in cold_starts(record, FEWEST_WINDOWS)]
     stretches, warnings = cut_beside_own(records, model)
     for run, record in enumerate(records):
         check_moves(record, [s.simulated_rad_s for s in stretches if s.run == run])

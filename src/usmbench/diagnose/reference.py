@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from usmbench.diagnose.cutting.check_runs import FEWEST_WINDOWS
 from usmbench.diagnose.cutting.command_times import any_moment_s, at_unknown_moments
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.stretches import Stretch
@@ -27,6 +28,7 @@ from usmbench.model.effects.base import Stage
 from usmbench.model.effects.registry import library
 from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
+from usmbench.runs.pauses import cold_starts
 from usmbench.runs.record import Record
 
 Array = NDArray[np.float64]
@@ -47,7 +49,11 @@ def with_knowledge(model: HammersteinModel, records: Sequence[Record]) -> Hammer
         Those runs. Runs whose windows the model does not describe (a list of settled pairs, a
         handful of rows) leave the model as it is.
     """
-    records = [without_wild_rows(record) for record in records]
+    records = [
+        without_wild_rows(part)
+        for record in records
+        for part in cold_starts(record, FEWEST_WINDOWS)
+    ]
     try:
         stretches, _ = cut_runs(records, model, ())
     except InputError:

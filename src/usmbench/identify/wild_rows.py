@@ -1,8 +1,5 @@
 """Rows of a speed that no motor and no cause of ours makes: one of them is all that a fit sees."""
 
-from dataclasses import fields, replace
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -36,12 +33,4 @@ def without_wild_rows(record: Record) -> Record:
         The run.
     """
     kept = ~wild_rows(record)
-    if kept.all():
-        return record
-    changes: dict[str, Any] = {
-        name: column[kept]
-        for name in (field.name for field in fields(record))
-        if isinstance(column := getattr(record, name), np.ndarray) and column.shape == kept.shape
-    }
-    changes["extra"] = {name: column[kept] for name, column in record.extra.items()}
-    return replace(record, **changes)
+    return record if kept.all() else record.rows(kept)

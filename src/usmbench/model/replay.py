@@ -1,6 +1,6 @@
 """A run's commands through a model, free-running, beside what was measured."""
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from usmbench.model.same_windows import check_windows
 from usmbench.model.scores import fit_percent, rmse
 from usmbench.model.simulate import Simulation, simulate
 from usmbench.runs.check_record import changed_since_closed, check_numbers
+from usmbench.runs.pauses import cold_starts
 from usmbench.runs.record import Column, Record
 
 
@@ -64,15 +65,9 @@ def replay_record(record: Record, model: HammersteinModel) -> Replay:
     """
     check_numbers(record)
     warnings = [*changed_since_closed([record]), *_check_windows(record, model)]
-    simulation = simulate(
-        model,
-        record.phase_deg,
-        record.frequency_hz,
-        record.torque_nm,
-        measured_rad_s=record.speed_rad_s,
-        t_s=record.t_s,
-        angle_rad=middle_angle_rad(record),
-    )
+    # A motor that has cooled meanwhile is at rest as well.
+    parts = [_simulated(part, model) for part in cold_starts(record, 1)]
+    simulation = Simulation(*map(np.concatenate, zip(*map(astuple, parts), strict=True)))
     inside = simulation.inside
     if not np.any(inside):
         raise InputError(
@@ -92,6 +87,19 @@ def replay_record(record: Record, model: HammersteinModel) -> Replay:
     measured, simulated = record.speed_rad_s[inside], simulation.speed_rad_s[inside]
     return Replay(
         simulation, rmse(measured, simulated), fit_percent(measured, simulated), tuple(warnings)
+    )
+
+
+def _simulated(record: Record, model: HammersteinModel) -> Simulation:
+    """Run the model free over a run's commands."""
+    return simulate(
+        model,
+        record.phase_deg,
+        record.frequency_hz,
+        record.torque_nm,
+        measured_rad_s=record.speed_rad_s,
+        t_s=record.t_s,
+        angle_rad=middle_angle_rad(record),
     )
 
 

@@ -173,7 +173,6 @@ def runs_table(records: Sequence[Record]) -> str:
     rows = []
     for record in records:
         others = ", ".join(record.extra) or "–"
-        span_s = float(record.t_s[-1] - record.t_s[0]) if record.t_s.size else 0.0
         rows.append(
             (
                 "",
@@ -182,7 +181,7 @@ def runs_table(records: Sequence[Record]) -> str:
                     escaped(record.meta.get("id", "–")),
                     escaped(record.meta.get("started", "–")),
                     str(record.t_s.size),
-                    f"{number(span_s)} s",
+                    f"{number(float(record.window_s.sum()))} s",
                     escaped(others),
                 ),
             )

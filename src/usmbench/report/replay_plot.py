@@ -5,7 +5,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from usmbench.model.replay import Replay
-from usmbench.report.drawing import save_figure
+from usmbench.report.drawing import save_figure, shown_time
 from usmbench.report.plain_text import short_name
 from usmbench.runs.record import Record
 
@@ -34,10 +34,11 @@ def write_replay_plot(path: Path, record: Record, replay: Replay) -> None:
         record.speed_rad_s,
         record.speed_rad_s - replay.simulation.speed_rad_s,
     )
+    t_s, label = shown_time(record)
     # Apart in grey too: pale points under a thin dark line.
-    top.plot(record.t_s, speed_rad_s, "o", ms=4, mec="none", color="0.65", label="measured")
-    top.plot(record.t_s, replay.simulation.speed_rad_s, lw=0.8, color="#0b3070", label="free run")
-    outside_s = record.t_s[~inside]
+    top.plot(t_s, speed_rad_s, "o", ms=4, mec="none", color="0.65", label="measured")
+    top.plot(t_s, replay.simulation.speed_rad_s, lw=0.8, color="#0b3070", label="free run")
+    outside_s = t_s[~inside]
     if outside_s.size:
         top.plot(
             outside_s,
@@ -52,8 +53,8 @@ def write_replay_plot(path: Path, record: Record, replay: Replay) -> None:
     fit = "" if replay.fit_percent is None else f", fit {replay.fit_percent:.1f} %"
     name = short_name(record.name)
     top.set_title(f"{name}: RMSE {replay.rmse_rad_s:.3g} rad/s{fit}", parse_math=False)
-    bottom.plot(record.t_s[inside], error_rad_s[inside], ".", ms=2, color="0.3")
+    bottom.plot(t_s[inside], error_rad_s[inside], ".", ms=2, color="0.3")
     bottom.axhline(0.0, lw=0.6, color="0.3")
     bottom.set_ylabel("residual (rad/s)")
-    bottom.set_xlabel("time (s)")
+    bottom.set_xlabel(label)
     save_figure(figure, path)

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
-from usmbench.report.drawing import CURVE_POINTS, PASSES, save_figure
+from usmbench.report.drawing import CURVE_POINTS, PASSES, save_figure, shown_time
 from usmbench.report.panels import (
     at_point,
     left_out,
@@ -103,10 +103,11 @@ def _model_point(
 def _draw_time(figure: Figure | SubFigure, record: Record) -> None:
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=(1.6, 1.0))
     kept = _thinned(record.speed_rad_s)
-    top.plot(record.t_s[kept], record.speed_rad_s[kept], color="0.15", lw=0.8)
-    bottom.plot(record.t_s, record.phase_deg, color="0.15", lw=0.8, drawstyle="steps-pre")
+    t_s, label = shown_time(record)
+    top.plot(t_s[kept], record.speed_rad_s[kept], color="0.15", lw=0.8)
+    bottom.plot(t_s, record.phase_deg, color="0.15", lw=0.8, drawstyle="steps-pre")
     top.set_ylabel("speed ω (rad/s)")
-    bottom.set(xlabel="time (s)", ylabel="phase φ (°)")
+    bottom.set(xlabel=label, ylabel="phase φ (°)")
     for axes in (top, bottom):
         axes.grid(color="0.9", lw=0.6)
         axes.margins(x=0.01)

@@ -1,8 +1,8 @@
 """A run in memory: columns of equal length, as every command after the sweep takes them."""
 
 import math
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,3 +90,19 @@ class Record:
         if not isinstance(counts, int | float) or not counts > 0:
             return None
         return 2.0 * math.pi / counts
+
+    def rows(self, rows: NDArray[np.bool_] | NDArray[np.integer[Any]]) -> Self:
+        """Return the run with some of its rows.
+
+        Parameters
+        ----------
+        rows
+            Which, a mask of shape (N,) or their numbers. The pairs stay.
+        """
+        changes: dict[str, Any] = {
+            own.name: column[rows]
+            for own in fields(self)
+            if isinstance(column := getattr(self, own.name), np.ndarray)
+        }
+        changes["extra"] = {name: column[rows] for name, column in self.extra.items()}
+        return replace(self, **changes)

@@ -21,6 +21,7 @@ from usmbench.runs.columns import (
 from usmbench.runs.disk_sync import DiskSync
 from usmbench.runs.files import AppendedFile, disk_error, sync_folder
 from usmbench.runs.meta_writer import begin_meta, close_meta, new_meta, resumed_meta
+from usmbench.runs.pauses import resumes_at_s
 from usmbench.runs.raw import RawWriter
 from usmbench.runs.row_text import pair_text, window_text
 from usmbench.runs.stop_point import StopPoint, columns_of, stop_point
@@ -156,6 +157,16 @@ class RunWriter:
         writer._write_heads()
         writer.stopped_at = stop_point(folder)
         return writer
+
+    def resumes_at_s(self, least_s: float) -> float:
+        """Return the time at which the rows of a run that was taken up go on.
+
+        Parameters
+        ----------
+        least_s
+            The shortest pause since the last of them.
+        """
+        return resumes_at_s(self.stopped_at.t_s, self._meta, least_s)
 
     def _write_heads(self) -> None:
         """Write the column names into files that have none."""

@@ -23,7 +23,7 @@ class Start:
     Parameters
     ----------
     t_s
-        End of the last window there is.
+        Time of the first sample.
     angle_rad
         Shaft angle there.
     """

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.runs.columns import PAIRS_FILE, RUN_FILE, WINDOWS_FILE
+from usmbench.runs.pauses import without_pauses_s
 from usmbench.runs.reader import read_run
 from usmbench.runs.stop_request import STOP_FILE
 from usmbench.watch.beside import Curve, Rows, SimulationBeside
@@ -85,6 +86,7 @@ class LiveView:
         self._recent = Trace(RECENT_BUCKETS, RECENT_STRIDE, whole=False)
         self._last: dict[str, float] = {}
         self._n_windows = 0
+        self._paused_s = 0.0
         self._squares = 0.0
         self._n_compared = 0
         self._pace: deque[tuple[float, int]] = deque()
@@ -141,11 +143,19 @@ class LiveView:
         residual_rad_s = (columns["speed_rad_s"] - simulated_rad_s)[compared]
         self._squares += float(residual_rad_s @ residual_rad_s)
         self._n_compared += int(compared.sum())
+        shown_s = self._shown_s(columns["t_s"])
         for trace in (self._whole, self._recent):
-            trace.add(columns["t_s"], columns["speed_rad_s"], simulated_rad_s)
+            trace.add(shown_s, columns["speed_rad_s"], simulated_rad_s)
         self._n_windows += len(rows)
         self._last = {name: float(column[-1]) for name, column in columns.items()}
         self._last["simulated_rad_s"] = float(simulated_rad_s[-1])
+
+    def _shown_s(self, t_s: Array) -> Array:
+        """Return the time of the next rows without the pauses before and among them."""
+        before_s = self._last.get("t_s", t_s[0] - self.head.window_s)
+        shown_s = without_pauses_s(np.r_[before_s, t_s], self.head.window_s)[1:] - self._paused_s
+        self._paused_s = float(t_s[-1] - shown_s[-1])
+        return np.asarray(shown_s)
 
     def _simulated(self, columns: Mapping[str, Array]) -> Array:
         """Return the simulated speeds; have the curve at the operating point of the last row."""

@@ -112,6 +112,19 @@ def dwells(folder: Path) -> list[tuple[float, ...]]:
     return [tuple(pair[key] for key in keys) for pair in rows(folder / "pairs.csv")]
 
 
+@pytest.mark.parametrize(("rested_s", "least_s"), [(0.0, 0.01), (3600.0, 3600.0)])
+def test_time_goes_on_by_the_pause(tmp_path: Path, rested_s: float, least_s: float) -> None:
+    plan, folder = plan_of(passes=[{"phase_deg": [30, 60, 90]}]), tmp_path / "run"
+    with pytest.raises(KeyboardInterrupt):
+        sweep_new(bench_of()[1], plan, folder, observer=StopAfter(60))
+    before = len(rows(folder / "windows.csv"))
+    sweep_again(replace(bench_of()[1], rested_s=rested_s), plan, folder)
+    t_s = [row["t_s"] for row in rows(folder / "windows.csv")]
+    # Simulated, the run is ahead of the wall clock.
+    assert t_s[before] - t_s[before - 1] >= least_s + 0.01 - 1e-9
+    assert t_s[before] - t_s[before - 1] < least_s + 60.0
+
+
 @pytest.mark.parametrize("stops", [[30], [60, 70], [5]])
 def test_a_run_taken_up_has_the_dwells_of_one_that_was_never_stopped(
     tmp_path: Path, stops: list[int]

@@ -19,6 +19,8 @@ from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.linear import free_run
 from usmbench.model.model_file import read_model, write_model
+from usmbench.model.replay import replay_record
+from usmbench.runs.pauses import COOLED_S
 from usmbench.runs.record import Record
 
 
@@ -95,6 +97,23 @@ def test_a_run_in_which_nothing_moves_is_refused(model: HammersteinModel) -> Non
     still.speed_rad_s[100] = 0.0
     at_rest = replace(still, phase_deg=np.zeros(still.t_s.size))
     assert diagnose([at_rest], model).verdict == "no_discrepancy"
+
+
+def test_a_motor_that_cooled_in_a_pause_warms_again(model: HammersteinModel) -> None:
+    warming = applied("thermal_drift", "speed", final_drift=-0.05, warm_up_s=20.0)
+    first, second = measured(7, warming), measured(8, warming)
+    record = replace(
+        first,
+        t_s=np.r_[first.t_s, first.t_s[-1] + COOLED_S + second.t_s],
+        phase_deg=np.r_[first.phase_deg, second.phase_deg],
+        speed_rad_s=np.r_[first.speed_rad_s, second.speed_rad_s],
+        window_s=np.r_[first.window_s, second.window_s],
+    )
+    found = diagnose([record], model)
+    assert [cause.name for cause in found.causes] == ["thermal_drift"]
+    assert found.verdict == "explained"
+    replayed = replay_record(record, found.extended)
+    assert replayed.rmse_rad_s < 1.3 * found.noise_floor_rad_s
 
 
 def test_speeds_in_another_unit_are_a_scale(model: HammersteinModel) -> None:

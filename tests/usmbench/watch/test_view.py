@@ -57,6 +57,17 @@ def test_a_run_is_followed_row_by_row(make_run: Any, line_model: HammersteinMode
     assert ended["silent_s"] is None
 
 
+def test_a_pause_is_left_out(make_run: Any) -> None:
+    run = make_run()
+    view = LiveView(run.folder)
+    for times_s in ([0.01, 0.02, 3600.01], [3600.02], [7200.01, 7200.02, 9000.0]):
+        for t_s in times_s:
+            run.windows(np.array([45.0]), t_s=t_s)
+        view.look()
+    shown_s = seen(view)["trace"]["t_s"]
+    assert shown_s == pytest.approx(0.01 * np.arange(1.0, 8.0))
+
+
 def test_the_latest_rows_are_shown_finer_where_that_is_wanted(make_run: Any) -> None:
     run = make_run()
     view = LiveView(run.folder)

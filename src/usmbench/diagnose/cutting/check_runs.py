@@ -11,7 +11,7 @@ from usmbench.model.same_windows import check_windows
 from usmbench.runs.check_record import check_numbers
 from usmbench.runs.record import Record
 
-_FEWEST_WINDOWS = 60
+FEWEST_WINDOWS = 60
 _MOVES, _SELDOM = 0.01, 0.01  # of the model's highest speed; of the rows
 _TURNS_RAD_S = 1.0  # an encoder of 500 lines then counts three times in a window of 10 ms
 
@@ -32,10 +32,10 @@ def check_run(record: Record, model: HammersteinModel) -> None:
         The run is one of these, or too short.
     """
     check_numbers(record)
-    if record.t_s.size < _FEWEST_WINDOWS:
+    if record.t_s.size < FEWEST_WINDOWS:
         raise InputError(
             f"{record.name}: {record.t_s.size} windows say nothing about causes; measure at least "
-            f"{_FEWEST_WINDOWS}"
+            f"{FEWEST_WINDOWS}"
         )
     check_windows(record.name, float(np.median(record.window_s)), model.linear)
 
@@ -110,8 +110,8 @@ def check_enough(records: Sequence[Record], n_usable: int) -> None:
     usmbench.errors.InputError
         They are too few.
     """
-    if n_usable < _FEWEST_WINDOWS:
+    if n_usable < FEWEST_WINDOWS:
         raise InputError(
-            f"{records[0].name}: fewer than {_FEWEST_WINDOWS} usable windows say nothing about "
+            f"{records[0].name}: fewer than {FEWEST_WINDOWS} usable windows say nothing about "
             "causes; measure for longer"
         )
