@@ -18,7 +18,8 @@ from hil_sim.gpsim_bridge import GpsimBridge
 from hil_sim.plant import MotorPlant, PlantParameters
 from hil_sim.running import RunningTestbed
 from hil_sim.testbed import BoardMachine, FaultablePlant
-from usmbench.errors import BenchError, InputError, OneLineParser, UsmbenchError
+from usmbench.errors import BenchError, InputError, UsmbenchError
+from usmbench.one_line_parser import OneLineParser
 from usmbench.report.plain_text import printable
 
 # The pseudo-terminal's thread must get its turn within a byte's time, whatever the others compute.

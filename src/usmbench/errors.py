@@ -1,8 +1,6 @@
 """Errors a user sees: each says what happened, where, and what to do."""
 
-import argparse
 from pathlib import Path
-from typing import NoReturn
 
 
 class UsmbenchError(Exception):
@@ -31,25 +29,6 @@ class InputError(UsmbenchError):
         super().__init__(place + message)
         self.file = file
         self.line = line
-
-
-class OneLineParser(argparse.ArgumentParser):
-    """An argument parser whose errors are one line, like every other bad input."""
-
-    def error(self, message: str) -> NoReturn:
-        """Raise the usage error as bad input.
-
-        Parameters
-        ----------
-        message
-            What is wrong with the arguments.
-
-        Raises
-        ------
-        InputError
-            Always.
-        """
-        raise InputError(f"{message} (see `{self.prog} --help`)")
 
 
 class BenchError(UsmbenchError):

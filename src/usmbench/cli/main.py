@@ -11,7 +11,8 @@ from typing import NoReturn
 
 from usmbench import __version__
 from usmbench.cli.output import drop_output
-from usmbench.errors import InputError, OneLineParser, UsmbenchError
+from usmbench.errors import InputError, UsmbenchError
+from usmbench.one_line_parser import OneLineParser
 from usmbench.report.plain_text import printable
 
 STOPPED_BY_USER = 130

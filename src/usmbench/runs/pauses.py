@@ -60,7 +60,11 @@ def cold_starts(record: Record, fewest: int) -> list[Record]:
     """
     parts = np.split(np.arange(record.t_s.size), _cooled(record.t_s))
     long = [rows for rows in parts if rows.size >= fewest]
-    return [_part(record, rows) for rows in long] if len(parts) > 1 and long else [record]
+    if len(parts) == 1 or not long:
+        return [record]
+    first, *later = (_part(record, rows) for rows in long)
+    # Files that changed are the run's: one part tells of them.
+    return [first, *(replace(part, changed=()) for part in later)]
 
 
 def without_pauses_s(t_s: Column, window_s: float) -> Column:

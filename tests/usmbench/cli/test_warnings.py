@@ -39,15 +39,17 @@ def closed_run(folder: Path) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("command", JUDGING)
-def test_data_that_changed_after_the_run_was_closed_are_told(
-    command: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+@pytest.fixture(autouse=True)
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Work in a folder that holds the motor's model."""
     monkeypatch.chdir(tmp_path)
     write_model(Path("model.yaml"), motor())
+
+
+@pytest.mark.parametrize("command", JUDGING)
+def test_data_that_changed_after_the_run_was_closed_are_told(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     run = closed_run(Path("run"))
     words = [*command.replace("RUN", str(run)).split(), "--json", "-"]
     assert main(words) == 0
@@ -66,13 +68,8 @@ def test_data_that_changed_after_the_run_was_closed_are_told(
 
 @pytest.mark.parametrize("command", JUDGING)
 def test_a_name_in_a_warning_moves_no_cursor(
-    command: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    command: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.chdir(tmp_path)
-    write_model(Path("model.yaml"), motor())
     run = closed_run(Path("a\x1b[31m\nrun"))
     (run / "pairs.csv").unlink()
     words = [str(run) if word == "RUN" else word for word in command.split()]

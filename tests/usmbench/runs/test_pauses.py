@@ -63,6 +63,13 @@ def test_a_part_after_an_hour_is_a_run_of_its_own() -> None:
     assert np.asarray(second.extra["mine"])[0] == 100.0
 
 
+@pytest.mark.parametrize("first", [30, 100])
+def test_what_changed_in_a_run_is_told_by_one_of_its_parts(first: int) -> None:
+    record = replace(paused(first, 200, COOLED_S), changed=("windows.csv",))
+    told = [part.changed for part in cold_starts(record, 60) if part.changed]
+    assert told == [("windows.csv",)]
+
+
 def test_a_motor_is_not_cold_after_a_minute() -> None:
     record = paused(100, 200, 60.0)
     assert cold_starts(record, 60) == [record]
