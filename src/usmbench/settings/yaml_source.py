@@ -1,4 +1,4 @@
-"""YAML read as `safe_load` reads it, with the line of every node kept for messages."""
+"""YAML read as `safe_load` reads it, but dates as text; every node's line is kept for messages."""
 
 import math
 from collections.abc import Iterator
@@ -14,9 +14,12 @@ PathInDocument = tuple[str | int, ...]
 
 MAX_BYTES = 1_000_000
 MAX_DEPTH = 30
+MAX_NODES = 1_000_000  # that aliases may stand for, however long the file
 # Beyond this no setting of a bench makes sense, and arithmetic on Python's unbounded integers
 # would fail far from the line that is wrong.
 MAX_NUMBER = 1e12
+_TOO_DEEP = f"is nested too deeply; keep to {MAX_DEPTH} levels"
+_ALIASES = "its aliases (*name) multiply or lead in a circle; write out what they are for"
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +70,26 @@ def spelled(path: PathInDocument) -> str:
     return "".join(words).removeprefix(".")
 
 
-def read_source(file: Path, most_bytes: int = MAX_BYTES) -> Source:
+class _Loader(yaml.SafeLoader):
+    """Dates stay the text that they are in JSON, and no date is beyond the calendar."""
+
+    yaml_implicit_resolvers = {  # noqa: RUF012 - PyYAML's own way
+        first: [(tag, pattern) for tag, pattern in resolvers if not tag.endswith(":timestamp")]
+        for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
+    }
+
+
+# What PyYAML's constructors let through besides its own errors, on text that only looks like YAML.
+_YAML_TROUBLE = (ValueError, LookupError, AttributeError, OverflowError, TypeError)
+
+
+def read_source(
+    file: Path,
+    most_bytes: int = MAX_BYTES,
+    *,
+    plain: bool = True,
+    mend: str = "check the path",
+) -> Source:
     """Read a YAML file.
 
     Parameters
@@ -76,6 +98,10 @@ def read_source(file: Path, most_bytes: int = MAX_BYTES) -> Source:
         The file.
     most_bytes
         What is longer is refused unread.
+    plain
+        As in `parse_source`.
+    mend
+        What to do where it cannot be opened.
 
     Raises
     ------
@@ -87,7 +113,7 @@ def read_source(file: Path, most_bytes: int = MAX_BYTES) -> Source:
             content = stream.read(most_bytes + 1)
     except OSError as error:
         reason = error.strerror or str(error)
-        raise InputError(f"cannot be read: {reason}; check the path", file=file) from None
+        raise InputError(f"cannot be read: {reason}; {mend}", file=file) from None
     if len(content) > most_bytes:
         raise InputError(f"is longer than {most_bytes} bytes: check the path", file=file)
     try:
@@ -95,11 +121,11 @@ def read_source(file: Path, most_bytes: int = MAX_BYTES) -> Source:
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         raise InputError("is not UTF-8 text; save it as UTF-8", file=file, line=line) from None
-    return parse_source(text, str(file))
+    return parse_source(text, str(file), plain=plain)
 
 
-def parse_source(text: str, file: str) -> Source:
-    """Parse YAML text: duplicate keys, merge keys and numbers without meaning are refused.
+def parse_source(text: str, file: str, *, plain: bool = True) -> Source:
+    """Parse YAML text; aliases that multiply are refused.
 
     Parameters
     ----------
@@ -107,6 +133,9 @@ def parse_source(text: str, file: str) -> Source:
         The file's content.
     file
         Its name, for messages.
+    plain
+        Whether duplicate keys, keys that are no words, merge keys and numbers without meaning are
+        refused too, as settings need none of them.
 
     Raises
     ------
@@ -115,28 +144,31 @@ def parse_source(text: str, file: str) -> Source:
     """
     loader: yaml.SafeLoader | None = None
     try:
-        loader = yaml.SafeLoader(text)
+        loader = _Loader(text)
         node = loader.get_single_node()
         if node is None:
-            raise InputError("is empty; write the settings into it", file=file)
-        lines = {path: at.start_mark.line + 1 for path, at in _walk(node, file, len(text))}
+            raise InputError("is empty; write into it what it is to say", file=file)
+        lines = {path: at.start_mark.line + 1 for path, at in _walk(node, file, len(text), plain)}
         document = loader.construct_document(node)
     except yaml.YAMLError as error:
         raise _yaml_error(error, file) from None
     except RecursionError:
-        raise InputError("is nested too deeply", file=file) from None
-    except (ValueError, OverflowError) as error:
+        raise InputError(_TOO_DEEP, file=file) from None
+    except _YAML_TROUBLE as error:
         message = f"holds a value YAML cannot make sense of: {_one_line(str(error))}"
         raise InputError(message, file=file) from None
     finally:
         if loader is not None:
             loader.dispose()
     source = Source(file, document, lines)
-    _check_numbers(source, document, ())
+    if plain:
+        _check_numbers(source, document, ())
     return source
 
 
-def _walk(root: yaml.Node, file: str, most: int) -> Iterator[tuple[PathInDocument, yaml.Node]]:
+def _walk(
+    root: yaml.Node, file: str, length: int, plain: bool
+) -> Iterator[tuple[PathInDocument, yaml.Node]]:
     """Yield every node and its path.
 
     An alias may lead back to its own parent; without, no node is shorter than a letter.
@@ -146,14 +178,17 @@ def _walk(root: yaml.Node, file: str, most: int) -> Iterator[tuple[PathInDocumen
     while waiting:
         path, node = waiting.pop()
         seen += 1
-        if len(path) > MAX_DEPTH or seen > most:
-            line = node.start_mark.line + 1
-            raise InputError("is nested too deeply or refers to itself", file=file, line=line)
+        line = node.start_mark.line + 1
+        if len(path) > MAX_DEPTH:
+            raise InputError(_TOO_DEEP, file=file, line=line)
+        if seen > min(length, MAX_NODES):
+            raise InputError(_ALIASES, file=file, line=line)
         yield path, node
         if isinstance(node, yaml.SequenceNode):
             waiting += [((*path, index), child) for index, child in enumerate(node.value)]
         elif isinstance(node, yaml.MappingNode):
-            waiting += _children(path, node, file)
+            own = _children(path, node, file)
+            waiting += own if plain else (((*path, str(key.value)), at) for key, at in node.value)
 
 
 def _children(

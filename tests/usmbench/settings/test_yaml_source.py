@@ -67,9 +67,11 @@ def test_any_file_is_a_document_or_bad_input(
         ("a: 1\nb:\n  on: 3\n", 3, "plain word, not 'on'"),
         ("a: &a {b: 1}\nc: {<<: *a}\n", 2, "plain word, not '<<'"),
         ("? [1, 2]\n: 3\n", 1, "plain word"),
-        ("a: &a [*a]\n", 1, "refers to itself"),
+        ("a: &a [*a]\n", 1, "aliases (*name) multiply or lead in a circle"),
         ("a: !!python/object:os.system 1\n", 1, "not YAML"),
-        ("a: 2001-99-99\n", None, "cannot make sense"),
+        ("a: !!int x\n", None, "cannot make sense"),
+        ("a: !!bool x\n", None, "cannot make sense"),
+        ("a: !!int ''\n", None, "cannot make sense"),
         ("", None, "is empty"),
         ("[" * 5000, None, "nested too deeply"),
     ],
@@ -84,8 +86,29 @@ def test_what_is_wrong_is_named_with_its_line(text: str, line: int | None, words
 def test_aliases_that_multiply_are_refused_before_they_fill_the_memory() -> None:
     lines = ["a0: &a0 [x, x, x, x, x, x, x, x, x, x]"]
     lines += [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 10)}]" for n in range(1, 8)]
-    with pytest.raises(InputError, match="too deeply"):
-        parse_source("\n".join(lines), "x.yaml")
+    for plain in (True, False):
+        with pytest.raises(InputError, match=r"x.yaml:\d: its aliases .* multiply"):
+            parse_source("\n".join(lines), "x.yaml", plain=plain)
+
+
+@pytest.mark.parametrize(
+    ("text", "document"),
+    [
+        ("a: 1\na: 2\n", {"a": 2}),
+        ("1: {on: 2}\n", {1: {True: 2}}),
+        ("a: 1.0e+300\n", {"a": 1e300}),
+        ("a: &a {b: 1}\nc: {<<: *a}\n", {"a": {"b": 1}, "c": {"b": 1}}),
+    ],
+)
+def test_what_is_no_settings_file_may_hold_more(text: str, document: object) -> None:
+    assert parse_source(text, "x.yaml", plain=False).document == document
+
+
+def test_dates_stay_text() -> None:
+    assert parse_source("a: 2001-02-03\nb: 2001-99-99\n", "x.yaml").document == {
+        "a": "2001-02-03",
+        "b": "2001-99-99",
+    }
 
 
 def test_a_part_without_a_line_is_placed_at_its_parent() -> None:
