@@ -125,8 +125,8 @@ def differing_keys(
     benches = [said.get("bench") for said in (first, second)]
     simulated = all(isinstance(b, dict) and b.get("name") == "simulated" for b in benches)
     passed_over = _BY_CHANCE if simulated else ()
-    for key in sorted((first.keys() | second.keys()) - _ALWAYS_DIFFERENT):
-        for found in _differing(key, first.get(key), second.get(key)):
+    for key in sorted((first.keys() | second.keys()) - _ALWAYS_DIFFERENT, key=str):
+        for found in _differing(str(key), first.get(key), second.get(key)):
             if found[0] not in passed_over:
                 yield found
 

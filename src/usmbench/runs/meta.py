@@ -5,13 +5,12 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from usmbench.errors import InputError
 from usmbench.runs.columns import FORMAT, RUN_FILE
+from usmbench.settings.schema import check
+from usmbench.settings.yaml_source import Source, read_source
 
-# What PyYAML's constructors let through besides its own errors, on text that only looks like YAML.
-_YAML_TROUBLE = (ValueError, LookupError, AttributeError, OverflowError, RecursionError, TypeError)
+_MOST_BYTES = 10_000_000  # users may keep much beside what the run says
 
 
 def now_iso() -> str:
@@ -47,31 +46,36 @@ def read_meta(folder: Path) -> dict[str, Any]:
     Raises
     ------
     usmbench.errors.InputError
+        No such file, not YAML, not a format this version reads, or a key that holds what it cannot.
+    """
+    source = run_source(folder)
+    check(source, "run")
+    return dict(source.document)
+
+
+def run_source(folder: Path) -> Source:
+    """Return a run folder's run.yaml, of whose keys none but `format` has been looked at.
+
+    Parameters
+    ----------
+    folder
+        The run folder.
+
+    Raises
+    ------
+    usmbench.errors.InputError
         No such file, not YAML, or not a format this version reads.
     """
     path = folder / RUN_FILE
-    try:
-        meta = yaml.safe_load(path.read_bytes())
-    except OSError as error:
-        raise InputError(
-            f"cannot be read: {error.strerror}; name a run folder or a CSV file", file=path
-        ) from error
-    except yaml.MarkedYAMLError as error:
-        line = error.problem_mark.line + 1 if error.problem_mark else None
-        raise InputError(
-            f"not YAML: {error.problem}; mend this line", file=path, line=line
-        ) from error
-    except (yaml.YAMLError, *_YAML_TROUBLE) as error:
-        raise InputError("not YAML; restore the file that the run wrote", file=path) from error
-    if not isinstance(meta, dict):
+    mend = "name a run folder or a CSV file"
+    source = read_source(path, _MOST_BYTES, plain=False, mend=mend)
+    if not isinstance(source.document, dict):
         raise InputError(f"has no keys; it must at least say format: {FORMAT}", file=path)
-    if meta.get("format") != FORMAT:
-        raise InputError(
-            f"format is {meta.get('format')!r}, this version reads {FORMAT}; "
-            "install the version of usmbench that wrote it",
-            file=path,
-        )
-    return meta
+    stated = source.document.get("format")
+    if stated != FORMAT:
+        message = f"{stated!r}, this version reads {FORMAT}; install the usmbench that wrote it"
+        raise source.error(("format",), message)
+    return source
 
 
 def changed_files(folder: Path, sums: object) -> list[str]:

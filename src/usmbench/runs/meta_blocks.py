@@ -14,7 +14,7 @@ from typing import Any, Final, TypeVar
 import yaml
 
 from usmbench.runs.columns import FORMAT, RUN_FILE
-from usmbench.runs.meta import read_meta
+from usmbench.runs.meta import run_source
 
 _Answer = TypeVar("_Answer")
 
@@ -54,7 +54,7 @@ class MetaBlocks:
             text = ""
         self._blocks = _cut(text)
         if self._blocks is None or self.get("format") != FORMAT:
-            self._whole = read_meta(folder)
+            self._whole = run_source(folder).document
 
     def get(self, key: str) -> Any:
         """Return the value of a top-level key, None where there is none.
@@ -95,7 +95,7 @@ class MetaBlocks:
             try:
                 return of_block(self._blocks.get(key, ""))
             except (yaml.YAMLError, ValueError):
-                self._whole = read_meta(self._folder)
+                self._whole = run_source(self._folder).document
         return of_value(None if self._whole is None else self._whole.get(key))
 
 

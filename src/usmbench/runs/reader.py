@@ -10,7 +10,6 @@ from usmbench.errors import InputError
 from usmbench.runs.columns import (
     PAIR_COLUMNS,
     PAIRS_FILE,
-    RUN_FILE,
     TEMPERATURE_COLUMN,
     WINDOWS_FILE,
 )
@@ -57,7 +56,7 @@ def read_run(path: Path | str) -> Record:
     needed = ("t_s", *_NEEDED) if whole else _NEEDED
     table = read_table(windows, needed=needed, numbers=_KNOWN, whole_rows=whole)
     columns = _finite(table, (name for name in _KNOWN if name != TEMPERATURE_COLUMN))
-    window_s = _window_s(path, table, columns, meta)
+    window_s = _window_s(table, columns, meta)
     t_s = columns["t_s"] if "t_s" in columns else np.cumsum(window_s)
     _rising(table, t_s)
     if not whole and t_s.size and t_s[0] > _CLOCK_S:
@@ -124,11 +123,11 @@ def _rising(table: Table, t_s: Column) -> None:
         )
 
 
-def _window_s(path: Path, table: Table, columns: dict[str, Column], meta: dict[str, Any]) -> Column:
+def _window_s(table: Table, columns: dict[str, Column], meta: dict[str, Any]) -> Column:
     """Return the duration of each window, from the best source there is."""
     window_s = columns.get("window_s")
     if window_s is None:
-        usual_s = _said_window_s(path, meta)
+        usual_s = _said_window_s(meta)
         if usual_s is None:
             usual_s = usual_step_s(columns["t_s"]) if "t_s" in columns else UNKNOWN_S
         window_s = np.full(len(columns["phase_deg"]), usual_s)
@@ -142,26 +141,11 @@ def _window_s(path: Path, table: Table, columns: dict[str, Column], meta: dict[s
     return window_s
 
 
-def _said_window_s(path: Path, meta: dict[str, Any]) -> float | None:
+def _said_window_s(meta: dict[str, Any]) -> float | None:
     """Return the window's duration by run.yaml, None where it does not say."""
     encoder = meta.get("encoder") or {}
-    if not isinstance(encoder, dict):
-        raise InputError("encoder must have keys of its own", file=path / RUN_FILE)
     samples, rate_hz = encoder.get("samples_per_average"), encoder.get("sample_rate_hz")
-    if samples is None or rate_hz is None:
-        return None
-    if not (_is_positive(samples) and _is_positive(rate_hz)):
-        raise InputError(
-            f"encoder: samples_per_average is {samples!r} and sample_rate_hz {rate_hz!r}; "
-            "both must be positive numbers",
-            file=path / RUN_FILE,
-        )
-    return float(samples / rate_hz)
-
-
-def _is_positive(value: object) -> bool:
-    """Return whether a value from run.yaml is a number above zero."""
-    return isinstance(value, int | float) and 0.0 < value < 1e12
+    return None if samples is None or rate_hz is None else float(samples / rate_hz)
 
 
 def _read_pairs(path: Path) -> Pairs | None:

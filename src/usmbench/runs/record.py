@@ -85,11 +85,8 @@ class Record:
     @property
     def count_rad(self) -> float | None:
         """Angle of one count; None where run.yaml does not say how many a revolution has."""
-        encoder = self.meta.get("encoder")
-        counts = encoder.get("counts_per_rev") if isinstance(encoder, dict) else None
-        if not isinstance(counts, int | float) or not counts > 0:
-            return None
-        return 2.0 * math.pi / counts
+        counts = (self.meta.get("encoder") or {}).get("counts_per_rev")
+        return None if counts is None else 2.0 * math.pi / counts
 
     def rows(self, rows: NDArray[np.bool_] | NDArray[np.integer[Any]]) -> Self:
         """Return the run with some of its rows.

@@ -2,24 +2,46 @@
 
 import difflib
 import json
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from datetime import datetime
 from functools import cache
 from importlib import resources
 from typing import Any
 
-from jsonschema import Draft202012Validator
+from jsonschema import Draft202012Validator, FormatChecker
 from jsonschema.exceptions import ValidationError
+from jsonschema.protocols import Validator
+from jsonschema.validators import extend
 
 from usmbench.settings.yaml_source import PathInDocument, Source
 
+_FORMATS = FormatChecker(formats=())
+
 
 @cache
-def _validator(name: str) -> Draft202012Validator:
+def _validator(name: str) -> Validator:
     text = (
         resources.files(__package__).joinpath("schemas", f"{name}.schema.json").read_text("utf-8")
     )
-    return Draft202012Validator(json.loads(text))
+    # JSON has no NaN and no infinity, but YAML has; no limit would refuse a NaN.
+    types = Draft202012Validator.TYPE_CHECKER.redefine("number", lambda _, v: _is_number(v))
+    kind: Any = extend(Draft202012Validator, type_checker=types)  # type: ignore[no-untyped-call]
+    validator: Validator = kind(json.loads(text), format_checker=_FORMATS)
+    return validator
+
+
+def _is_number(value: object) -> bool:
+    if isinstance(value, float):
+        return math.isfinite(value)
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+@_FORMATS.checks("date-time", raises=ValueError)
+def _is_moment(value: object) -> bool:
+    """Raise where text is no time; without a zone it is local time."""
+    return not isinstance(value, str) or datetime.fromisoformat(value) is not None
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +63,7 @@ def check(source: Source, name: str) -> None:
     source
         The document.
     name
-        The schema: "plan" or "bench".
+        The schema: "plan", "bench", "import", "model" or "run".
 
     Raises
     ------
@@ -182,6 +204,7 @@ _MESSAGES: dict[str, Callable[[_Fault], str]] = {
     "type": _wrong_type,
     "anyOf": _misfit,
     "pattern": _misfit,
+    "format": _misfit,
     "minimum": _limit("is below", "at least"),
     "maximum": _limit("is above", "at most"),
     "exclusiveMinimum": _limit("is not above", "more than"),

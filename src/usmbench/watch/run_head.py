@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeGuard
+from typing import Any
 
 from usmbench.errors import InputError
 from usmbench.runs.columns import RUN_FILE
@@ -106,13 +106,7 @@ def _mapping(meta: Mapping[str, Any], key: str) -> Mapping[str, Any]:
 
 def _window_s(encoder: Mapping[str, Any]) -> float:
     samples, rate_hz = (encoder.get(key) for key in ("samples_per_average", "sample_rate_hz"))
-    if not (_is_positive(samples) and _is_positive(rate_hz)):
-        return WINDOW_S
-    return float(samples) / float(rate_hz)
-
-
-def _is_positive(value: object) -> TypeGuard[float]:
-    return isinstance(value, int | float) and 0.0 < value < 1e12
+    return WINDOW_S if samples is None or rate_hz is None else float(samples / rate_hz)
 
 
 def _planned_windows(folder: Path, meta: Mapping[str, Any]) -> int | None:

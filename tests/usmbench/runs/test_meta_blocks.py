@@ -76,7 +76,7 @@ def test_a_block_that_is_no_yaml_names_its_line(tmp_path: Path) -> None:
     (tmp_path / "run.yaml").write_text(FORMAT + "plan:\n  name: [a\nexit: completed\n")
     blocks = MetaBlocks(tmp_path)
     assert blocks.get("exit") == "completed"
-    with pytest.raises(InputError, match=r"run.yaml:\d: not YAML"):
+    with pytest.raises(InputError, match=r"run.yaml:\d: is not YAML"):
         blocks.get("plan")
 
 

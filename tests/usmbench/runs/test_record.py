@@ -19,12 +19,8 @@ def test_a_count_is_a_share_of_the_revolution() -> None:
     assert record.count_rad == pytest.approx(math.pi / 1000.0)
 
 
-@pytest.mark.parametrize(
-    "encoder",
-    [None, {}, "HEDS-9040", {"counts_per_rev": None}, {"counts_per_rev": "many"}]
-    + [{"counts_per_rev": counts} for counts in (0, -2000, [2000], math.nan)],
-)
-def test_counts_that_are_none_leave_the_count_unknown(encoder: object) -> None:
+@pytest.mark.parametrize("encoder", [None, {}, {"counts_per_rev": None}])
+def test_counts_that_nobody_says_leave_the_count_unknown(encoder: object) -> None:
     assert _measured({"encoder": encoder}).count_rad is None
 
 
