@@ -28,7 +28,7 @@ def recorded_dwells(record: Record, window_s: float) -> list[Dwell]:
     usmbench.errors.InputError
         No row of the run was driven.
     """
-    rows = np.flatnonzero(_driven(record))
+    rows = np.flatnonzero(np.ones(record.t_s.size) if record.driven is None else record.driven)
     if rows.size == 0:
         raise InputError("no window was driven; there is nothing to replay", file=record.name)
     dwells: list[Dwell] = []
@@ -54,14 +54,6 @@ def recorded_dwells(record: Record, window_s: float) -> list[Dwell]:
             )
         )
     return dwells
-
-
-def _driven(record: Record) -> NDArray[np.bool_]:
-    """Return which windows were driven."""
-    drive_on = record.extra.get("drive_on")
-    if drive_on is None:
-        return np.ones(len(record.t_s), dtype=np.bool_)
-    return np.asarray(np.asarray(drive_on, dtype=np.float64) != 0.0)
 
 
 def _changes(record: Record, rows: NDArray[np.intp]) -> NDArray[np.intp]:

@@ -148,10 +148,7 @@ def _pieces(
 
 def _used(record: Record) -> Mask | None:
     """Rows with the drive on, after the warm-up, and of a speed that may be; None for all."""
-    drive_on = record.extra.get("drive_on")
-    masks = []
-    if drive_on is not None and np.issubdtype(drive_on.dtype, np.floating):
-        masks.append(np.asarray(drive_on, dtype=np.float64) != 0.0)
+    masks = [] if record.driven is None else [record.driven]
     if record.sweep is not None:
         masks.append(record.sweep >= 0.0)
     wild = wild_rows(record)

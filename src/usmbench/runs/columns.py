@@ -7,6 +7,7 @@ PAIRS_FILE = "pairs.csv"
 RAW_FILE = "raw.h5"
 DATA_FILES = (WINDOWS_FILE, PAIRS_FILE, RAW_FILE)
 
+DRIVE_COLUMN = "drive_on"
 WINDOW_COLUMNS = (
     "t_s",
     "phase_deg",
@@ -18,7 +19,7 @@ WINDOW_COLUMNS = (
     "sweep",
     "settled",
     "average_rad_s",
-    "drive_on",
+    DRIVE_COLUMN,
 )
 TEMPERATURE_COLUMN = "temperature_c"
 # With a temperature sensor on the bench.

@@ -1,5 +1,6 @@
 """From a run folder or a bare CSV to a `Record`, with what is missing derived."""
 
+import math
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -8,6 +9,7 @@ import numpy as np
 
 from usmbench.errors import InputError
 from usmbench.runs.columns import (
+    DRIVE_COLUMN,
     PAIR_COLUMNS,
     PAIRS_FILE,
     TEMPERATURE_COLUMN,
@@ -23,6 +25,17 @@ _CLOCK_S = 1e8  # three years: no run has lasted so long
 _NEEDED = ("phase_deg", "speed_rad_s")
 _OPTIONAL = ("frequency_hz", "torque_nm", "angle_rad", "sweep", "settled")
 _KNOWN = ("t_s", *_NEEDED, "window_s", *_OPTIONAL, TEMPERATURE_COLUMN)
+_NUMBERS = (*_KNOWN, DRIVE_COLUMN)
+# What a column may hold, the ends included; 360 for those who count φ from 0.
+_LIMITS = {
+    "phase_deg": (-360.0, 360.0),
+    "frequency_hz": (0.0, math.inf),
+    "settled": (0.0, 1.0),
+    DRIVE_COLUMN: (0.0, 1.0),
+    "speed_std_rad_s": (0.0, math.inf),
+    "n_windows": (0.0, math.inf),
+    "direction": (-1.0, 1.0),
+}
 
 
 def read_run(path: Path | str) -> Record:
@@ -54,8 +67,8 @@ def read_run(path: Path | str) -> Record:
         meta = {}
         windows, whole = path, False
     needed = ("t_s", *_NEEDED) if whole else _NEEDED
-    table = read_table(windows, needed=needed, numbers=_KNOWN, whole_rows=whole)
-    columns = _finite(table, (name for name in _KNOWN if name != TEMPERATURE_COLUMN))
+    table = read_table(windows, needed=needed, numbers=_NUMBERS, whole_rows=whole)
+    columns = _checked(table, (name for name in _NUMBERS if name != TEMPERATURE_COLUMN))
     window_s = _window_s(table, columns, meta)
     t_s = columns["t_s"] if "t_s" in columns else np.cumsum(window_s)
     _rising(table, t_s)
@@ -93,17 +106,20 @@ def _as_column(table: Table, name: str) -> Column | None:
     return None if column is None else column.astype(np.float64, copy=False)
 
 
-def _finite(table: Table, names: Iterable[str]) -> dict[str, Column]:
+def _checked(table: Table, names: Iterable[str]) -> dict[str, Column]:
     """Return those of the columns that the table has, having checked their numbers."""
     columns: dict[str, Column] = {}
     for name in names:
         column = _as_column(table, name)
         if column is None:
             continue
-        wrong = np.flatnonzero(~np.isfinite(column))
+        low, high = _LIMITS.get(name, (-math.inf, math.inf))
+        wrong = np.flatnonzero(~(np.isfinite(column) & (low <= column) & (column <= high)))
         if len(wrong):
+            value = column[wrong[0]]
+            limits = f", not {low:g} to {high:g}" if math.isfinite(value) else ""
             raise InputError(
-                f"{name} is {column[wrong[0]]}; mend or remove the row",
+                f"{name} is {value:.12g}{limits}; mend or remove the row",
                 file=table.path,
                 line=table.line_of(int(wrong[0])),
             )
@@ -155,5 +171,5 @@ def _read_pairs(path: Path) -> Pairs | None:
     table = read_table(
         path, needed=PAIR_COLUMNS, numbers=PAIR_COLUMNS, whole_rows=True, may_be_empty=True
     )
-    columns = _finite(table, PAIR_COLUMNS)
+    columns = _checked(table, PAIR_COLUMNS)
     return Pairs(**columns) if len(columns["t_s"]) else None

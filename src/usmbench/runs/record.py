@@ -7,6 +7,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from usmbench.runs.columns import DRIVE_COLUMN
+
 Column = NDArray[np.float64]
 
 
@@ -87,6 +89,12 @@ class Record:
         """Angle of one count; None where run.yaml does not say how many a revolution has."""
         counts = (self.meta.get("encoder") or {}).get("counts_per_rev")
         return None if counts is None else 2.0 * math.pi / counts
+
+    @property
+    def driven(self) -> NDArray[np.bool_] | None:
+        """Which windows the motor was driven in, shape (N,); None where the run does not say."""
+        drive_on = self.extra.get(DRIVE_COLUMN)
+        return None if drive_on is None else np.asarray(drive_on.astype(np.float64) != 0.0)
 
     def rows(self, rows: NDArray[np.bool_] | NDArray[np.integer[Any]]) -> Self:
         """Return the run with some of its rows.

@@ -1,5 +1,7 @@
 """Two runs are matched setting by setting, and their run.yaml key by key."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -62,3 +64,8 @@ def test_keys_that_differ_are_named_with_both_values() -> None:
         ("bench.daq.counter", "ctr0", "ctr1"),
         ("old", [1], None),
     ]
+
+
+def test_keys_that_are_no_words_are_compared_like_others() -> None:
+    first: dict[Any, Any] = {1: "a", "seed": 1}
+    assert list(differing_keys(first, first | {1: "b"})) == [("1", "a", "b")]

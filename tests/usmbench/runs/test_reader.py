@@ -207,6 +207,20 @@ def test_pairs_are_derived_where_they_are_missing(make_run: Callable[..., Path])
     assert derived.speed_rad_s == pytest.approx(measured.speed_rad_s, abs=2e-3)
 
 
+@pytest.mark.parametrize(
+    ("column", "value"), [("n_windows", -3), ("direction", 5), ("speed_std_rad_s", -0.5)]
+)
+def test_pairs_that_cannot_be_are_named(
+    make_run: Callable[..., Path], column: str, value: float
+) -> None:
+    file = make_run() / "pairs.csv"
+    lines = [line.split(",") for line in file.read_text().splitlines()]
+    lines[2][lines[0].index(column)] = str(value)
+    file.write_text("".join(",".join(line) + "\n" for line in lines))
+    with pytest.raises(InputError, match=rf"pairs.csv:3: {column} is {value}, not .* to .*; mend"):
+        read_run(file.parent)
+
+
 def test_columns_of_the_users_own_are_kept(tmp_path: Path) -> None:
     text = 'phase_deg,"note, mine",speed_rad_s,volts\r\n1,"cold, wet",0.5,3\r\n2,,0.6,4\r\n'
     run = read_run(csv_file(tmp_path, text))
@@ -230,6 +244,11 @@ def test_columns_of_the_users_own_are_kept(tmp_path: Path) -> None:
         ("phase_deg,speed_rad_s,t_s\n1,2,0.1\n1,2,0.2\n1,2,0.2\n", 4, "t_s does not rise"),
         ("phase_deg,speed_rad_s,t_s,a\n1,2,0.1,x\n1,2,0.3,y\n1,2,0.2,z\n", 4, "t_s does not rise"),
         ("phase_deg,speed_rad_s,window_s\n1,2,0.1\n1,2,0\n", 3, "window_s is 0"),
+        ("phase_deg,speed_rad_s\n1,2\n1e9,2\n", 3, "phase_deg is 1000000000, not -360 to 360"),
+        ("phase_deg,speed_rad_s,frequency_hz\n1,2,-5\n", 2, "frequency_hz is -5, not 0 to inf"),
+        ("phase_deg,speed_rad_s,settled\n1,2,1\n1,2,7\n", 3, "settled is 7, not 0 to 1"),
+        ("phase_deg,speed_rad_s,drive_on\n1,2,1\n1,2,-1\n", 3, "drive_on is -1, not 0 to 1"),
+        ("phase_deg,speed_rad_s,drive_on\n1,2,yes\n", 2, "drive_on is 'yes', not a number"),
     ],
 )
 def test_what_is_wrong_is_named_with_its_line(
