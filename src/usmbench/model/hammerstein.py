@@ -154,6 +154,8 @@ class HammersteinModel:
         Structure found in the residual that this model cannot represent, one mapping each.
     effects
         Causes added by a diagnosis, as stored in the model file.
+    name
+        File the model was read from, for messages.
     """
 
     linear: LinearPart
@@ -164,3 +166,4 @@ class HammersteinModel:
     intervals: dict[str, Any] = field(default_factory=dict)
     unexplained: tuple[dict[str, Any], ...] = ()
     effects: tuple[dict[str, Any], ...] = ()
+    name: str = "the model"

@@ -1,5 +1,6 @@
 """The model file: YAML that a person can read, with a version that is checked."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -66,7 +67,7 @@ def read_model(path: Path) -> HammersteinModel:
     _check_linear(source)
     for index, point in enumerate(source.document["points"]):
         _check_curve(source, index, point)
-    model = from_mapping(source.document)
+    model = replace(from_mapping(source.document), name=str(path))
     try:
         applied_effects(model.effects)
     except InputError as error:
@@ -162,10 +163,14 @@ def _check_linear(source: Source) -> None:
 def _check_curve(source: Source, index: int, point: dict[str, Any]) -> None:
     """Refuse knots that do not rise, ordinates that do not belong to them, a range that is none."""
     low_deg, high_deg = point["phase_range_deg"]
-    if not low_deg < high_deg:
-        raise source.error(
-            ("points", index, "phase_range_deg"), "gives the lowest phase first, then the highest"
-        )
+    zone_deg = [edge for edge in point["dead_zone_deg"] or () if edge is not None]
+    for key, rises in (
+        ("phase_range_deg", low_deg < high_deg),
+        ("dead_zone_deg", zone_deg == sorted(zone_deg)),
+    ):
+        if not rises:
+            message = "gives the lowest phase first, then the highest"
+            raise source.error(("points", index, key), message)
     knots, delta = point["knots_deg"], point["delta_rad_s"]
     if len(knots) != len(delta):
         raise source.error(

@@ -63,7 +63,7 @@ def check(source: Source, name: str) -> None:
     source
         The document.
     name
-        The schema: "plan", "bench", "import", "model" or "run".
+        The schema: "plan", "bench", "import", "model", "diagnosis" or "run".
 
     Raises
     ------

@@ -19,7 +19,7 @@ def schema_path(name: str) -> Path:
     Parameters
     ----------
     name
-        "plan", "bench", "model", "import" or "run".
+        "plan", "bench", "import", "model", "diagnosis" or "run".
     """
     return Path(str(resources.files(__package__).joinpath("schemas", f"{name}.schema.json")))
 

@@ -1,5 +1,6 @@
 """Runs and models that nothing can be said of are refused, and named."""
 
+import copy
 from dataclasses import replace
 
 import numpy as np
@@ -55,37 +56,57 @@ def test_a_shaft_that_hardly_turns_cannot_show_the_disc(model: HammersteinModel)
 
 
 def test_damaged_knowledge(model: HammersteinModel) -> None:
-    broken = replace(model, residual={"diagnosis": {"noise": 3}})
-    with pytest.raises(InputError, match="cannot be used"):
+    broken = replace(model, residual={"diagnosis": {"noise": 3}}, name="bad.yaml")
+    with pytest.raises(InputError, match=r"^bad.yaml \(residual.diagnosis\): noise: 3 is not a ma"):
         diagnose([measured(3, n=500)], broken)
 
 
 def test_knowledge_of_another_version(model: HammersteinModel) -> None:
     content = model.residual["diagnosis"]
     older = replace(model, residual={"diagnosis": {**content, "shapes": 1}})
-    with pytest.raises(InputError, match=r"of another version\); identify the model again"):
+    with pytest.raises(InputError, match="of another version; identify the model again"):
         diagnose([measured(3, n=500)], older)
     other = replace(model, residual={"diagnosis": {**content, "mean": content["mean"][1:]}})
-    with pytest.raises(InputError, match=r"shapes are not the \d+ of this version"):
+    with pytest.raises(InputError, match=r"shapes are not the \d+ of this version; identify"):
         diagnose([measured(3, n=500)], other)
 
 
 @pytest.mark.parametrize(
-    ("part", "key", "value"),
+    ("part", "key", "value", "says"),
     [
-        ("noise", "phase_deg", []),
-        ("noise", "step_spread_rad_s", [1.0]),
-        ("noise", "same_again", [1.0, 2.0]),
-        ("noise", "ar", [1.0, 2.0]),
-        ("noise", "innovation", 0.0),
-        ("features", "nodes_deg", [2.0, 1.0]),
-        ("features", "unmeasured_rad_s", [1.0]),
+        ("noise", "phase_deg", [], "noise.phase_deg: has 0 entries"),
+        ("noise", "sigma_rad_s", [0] * 20, r"noise.sigma_rad_s\[0\]: 0 is not above 0"),
+        ("noise", "sigma_rad_s", [-1.0], r"noise.sigma_rad_s\[0\]: -1.0 is not above 0"),
+        ("noise", "sigma_rad_s", [np.nan], r"noise.sigma_rad_s\[0\]: nan is not a number"),
+        ("noise", "sigma_rad_s", [1.0], r"noise.sigma_rad_s has not the shape \(\d+,\); identify"),
+        ("noise", "step_spread_rad_s", [1.0], r"step_spread_rad_s\[0\]: 1.0 is not a list"),
+        ("noise", "step_rad_s", [[[1.0], [2.0, 3.0]]], "step_rad_s has rows of different lengths"),
+        ("noise", "same_again", [1.0, 0.5], "noise.same_again has not the shape"),
+        ("noise", "ar", [1.0, 2.0], "noise.ar is no noise: it grows without end; identify"),
+        ("noise", "innovation", 0.0, "noise.innovation: 0.0 is not above 0"),
+        ("features", "nodes_deg", [2.0, 1.0], "features.nodes_deg does not rise; identify"),
+        ("features", "unmeasured_rad_s", [1.0], "features.unmeasured_rad_s has not one value a"),
+        ("features", "n_constants", 10**11, "features.n_constants: 100000000000 is above 5"),
+        ("features", "n_points", 10**6, "features.n_points is 1000000, the model's points are 1;"),
+        ("features", "top_rad_s", 0, "features.top_rad_s: 0 is not above 0"),
+        ("", "gain_tilt", [], "gain_tilt has not 1 values"),
+        ("", "held_back_rad_s", [1e-3, 1e-3], "held_back_rad_s has not 1 values"),
+        ("", "late_s", "many", "late_s: 'many' is not a number"),
+        ("", "covariance_root", "A", r"covariance_root is no triangle of \d+ rows of numbers;"),
+        ("", "habits", [{"name": "gremlins"}], "'gremlins' .* is not installed"),
     ],
 )
-def test_knowledge_of_another_shape(
-    model: HammersteinModel, part: str, key: str, value: object
+def test_knowledge_that_cannot_be(
+    model: HammersteinModel, part: str, key: str, value: object, says: str
 ) -> None:
-    content = model.residual["diagnosis"]
-    broken = {**content, part: {**content[part], key: value}}
-    with pytest.raises(InputError, match="cannot be used"):
-        diagnose([measured(3, n=500)], replace(model, residual={"diagnosis": broken}))
+    content = copy.deepcopy(model.residual["diagnosis"])
+    (content[part] if part else content)[key] = value
+    with pytest.raises(InputError, match=rf"^the model \(residual.diagnosis\): .*{says}"):
+        diagnose([measured(3, n=500)], replace(model, residual={"diagnosis": content}))
+
+
+def test_noise_at_phases_that_do_not_rise(model: HammersteinModel) -> None:
+    content = copy.deepcopy(model.residual["diagnosis"])
+    content["noise"]["phase_deg"].reverse()
+    with pytest.raises(InputError, match=r"noise\.phase_deg does not rise; identify"):
+        diagnose([measured(3, n=500)], replace(model, residual={"diagnosis": content}))

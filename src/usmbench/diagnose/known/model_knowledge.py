@@ -19,6 +19,8 @@ from usmbench.errors import InputError
 from usmbench.model.extended import applied_effects
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.operating_points import places_among
+from usmbench.settings.schema import check
+from usmbench.settings.yaml_source import Source
 
 Array = NDArray[np.float64]
 
@@ -63,38 +65,46 @@ def knowledge_of(model: HammersteinModel) -> Knowledge:
     Raises
     ------
     InputError
-        The model carries something else under this key.
+        The model carries something else under this key; the message names its file.
     """
     content = model.residual.get(_KEY)
     if content is None:
         return _cautious(model)
+    source = Source(f"{model.name} (residual.{_KEY})", content)
+    if isinstance(content, dict) and content.get("shapes", _SHAPES) != _SHAPES:
+        raise source.error((), "its shapes are those of another version; identify the model again")
+    check(source, "diagnosis")
     try:
-        features = _features(content["features"])
-        known = Knowledge(
-            noise_from_mapping(content["noise"]),
-            features,
-            _mean(content, len(features.groups)),
-            features.prior[:, None] * triangle_of(content["covariance_root"], len(features.groups)),
-            wander_from_mapping(content),
-            float(content["spikes_hz"]),
-            tuple(content["habits"]),
+        return _knowledge(content, len(model.points))
+    except (ValueError, InputError) as error:
+        raise source.error((), f"{error}; identify the model again") from error
+
+
+def _knowledge(content: dict[str, Any], n_points: int) -> Knowledge:
+    """Return what a model file keeps, in a form that has been checked, its sizes have not."""
+    features, wander = _features(content["features"]), wander_from_mapping(content)
+    if features.n_points != n_points:
+        raise ValueError(
+            f"features.n_points is {features.n_points}, the model's points are {n_points}"
         )
-        applied_effects(known.habits)
-    except (AttributeError, IndexError, KeyError, TypeError, ValueError, InputError) as error:
-        raise InputError(
-            f"the model's residual: {_KEY} cannot be used ({error}); identify the model again"
-        ) from error
-    return known
-
-
-def _mean(content: dict[str, Any], n_shapes: int) -> Array:
-    """Return how much of each shape a model file says the model leaves."""
-    if content.get("shapes") != _SHAPES:
-        raise ValueError("its shapes are those of another version")
+    own = {"gain_tilt": 1 + features.n_places, "held_back_rad_s": features.n_points}
+    for name, n in own.items():
+        if len(getattr(wander, name)) != n:
+            raise ValueError(f"{name} has not {n} values")
+    n_shapes = len(features.groups)
     mean = np.array(content["mean"], dtype=np.float64)
-    if mean.shape != (n_shapes,):
+    if mean.size != n_shapes:
         raise ValueError(f"its {mean.size} shapes are not the {n_shapes} of this version")
-    return mean
+    applied_effects(content["habits"])
+    return Knowledge(
+        noise_from_mapping(content["noise"]),
+        features,
+        mean,
+        features.prior[:, None] * triangle_of(content["covariance_root"], n_shapes),
+        wander,
+        float(content["spikes_hz"]),
+        tuple(content["habits"]),
+    )
 
 
 def _features(content: dict[str, Any]) -> Features:
@@ -102,7 +112,7 @@ def _features(content: dict[str, Any]) -> Features:
     nodes_deg = tuple(float(node) for node in content["nodes_deg"])
     steepest_rad_s = content.get("steepest_rad_s")
     unmeasured_rad_s = content.get("unmeasured_rad_s", ())
-    if len(nodes_deg) < 2 or np.any(np.diff(nodes_deg) <= 0.0):
+    if np.any(np.diff(nodes_deg) <= 0.0):
         raise ValueError("features.nodes_deg does not rise")
     if len(unmeasured_rad_s) not in (0, len(nodes_deg)):
         raise ValueError("features.unmeasured_rad_s has not one value a node")

@@ -41,9 +41,13 @@ def triangle_of(text: str, size: int) -> Array:
     ValueError
         The text is no base 64, holds another number of values, or one that is no number.
     """
-    values = np.frombuffer(b64decode(text, validate=True), "<f2").astype(np.float64)
+    wrong = ValueError(f"covariance_root is no triangle of {size} rows of numbers")
+    try:
+        values = np.frombuffer(b64decode(text, validate=True), "<f2").astype(np.float64)
+    except ValueError:
+        raise wrong from None
     if values.size != size * (size + 1) // 2 or not np.all(np.isfinite(values)):
-        raise ValueError(f"covariance_root is no triangle of {size} rows of numbers")
+        raise wrong
     matrix = np.zeros((size, size))
     matrix[np.tril_indices(size)] = values
     return matrix

@@ -165,11 +165,6 @@ def wander_from_mapping(content: Mapping[str, Any]) -> Wander:
     ----------
     content
         As `Wander.to_mapping` returns it.
-
-    Raises
-    ------
-    KeyError, TypeError, ValueError
-        A key is missing, or what it holds is no number.
     """
     return Wander(
         float(content["gain"]),

@@ -129,13 +129,11 @@ def noise_from_mapping(content: dict[str, Any]) -> Noise:
 
     Raises
     ------
-    KeyError
-        A key is missing.
     ValueError
         What is there is of another shape, or no noise.
     """
     names = [field.name for field in fields(Noise) if field.name != "innovation"]
-    arrays = {name: np.array(content[name], dtype=np.float64) for name in names}
+    arrays = {name: _table(name, content[name]) for name in names}
     noise = Noise(innovation=float(content["innovation"]), **arrays)
     sizes = noise.step_rad_s.shape
     shapes = {
@@ -148,9 +146,20 @@ def noise_from_mapping(content: dict[str, Any]) -> Noise:
     for name, shape in shapes.items():
         if getattr(noise, name).shape != shape:
             raise ValueError(f"noise.{name} has not the shape {shape}")
-    if np.max(np.abs(poles(-noise.ar)), initial=0.0) >= 1.0 or not noise.innovation > 0.0:
-        raise ValueError("noise.ar and noise.innovation are no noise")
+    for name in ("phase_deg", "step_rad_s"):
+        if np.any(np.diff(getattr(noise, name)) < 0.0):
+            raise ValueError(f"noise.{name} does not rise")
+    if np.max(np.abs(poles(-noise.ar)), initial=0.0) >= 1.0:
+        raise ValueError("noise.ar is no noise: it grows without end")
     return noise
+
+
+def _table(name: str, rows: Any) -> Array:
+    """Return lists of numbers as an array."""
+    try:
+        return np.array(rows, dtype=np.float64)
+    except ValueError:
+        raise ValueError(f"noise.{name} has rows of different lengths") from None
 
 
 def bend_rad_s(stretch: Stretch) -> Array:
