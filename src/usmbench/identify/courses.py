@@ -17,7 +17,8 @@ from usmbench.runs.dwells import dwell_begin
 
 Array = NDArray[np.float64]
 
-_BLOCK_ROWS = 25  # far beyond the memory, and few enough that short stretches have both halves
+# Far beyond the memory, and few enough that short stretches have both halves; there and back.
+_BLOCK_ROWS, _BLOCK_DWELLS = 25, 2
 _FORGOTTEN = 1e-6
 
 
@@ -74,11 +75,22 @@ def courses_of(stretches: Sequence[Stretch], found: Polished) -> list[Course]:
     for stretch in stretches:
         rows = np.arange(stretch.speed_rad_s.size)
         kept = rows - dwell_begin(stretch.phase_deg) <= memory
-        half = np.where(rows > memory, rows // _BLOCK_ROWS % 2, -1)
+        half = np.where(rows > memory, _halves(stretch.phase_deg), -1)
         settled_rad_s = stretch.basis[kept] @ found.delta[stretch.point]
         changing = changing_rows(stretch.phase_deg, found.dynamics)
         courses.append(Course(settled_rad_s, stretch.speed_rad_s[kept], changing[kept], half[kept]))
     return courses
+
+
+def _halves(phase_deg: Array) -> NDArray[np.int64]:
+    """Return which half of the blocks each row belongs to; a block is some whole dwells.
+
+    Blocks of rows would put every change of phase into one half where two of them are a dwell.
+    """
+    changed = np.diff(phase_deg, prepend=phase_deg[:1]) != 0.0
+    dwell_rows = changed.size / (1 + np.count_nonzero(changed))
+    dwells = max(_BLOCK_DWELLS, math.ceil(_BLOCK_ROWS / dwell_rows))
+    return np.asarray(np.cumsum(changed) // dwells % 2)
 
 
 def scaled_residual(

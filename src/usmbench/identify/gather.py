@@ -11,6 +11,7 @@ from usmbench.errors import InputError
 from usmbench.identify.data import Dataset, FittedRun, Point, Segment, describe
 from usmbench.identify.wild_rows import BEYOND, wild_rows
 from usmbench.runs.check_record import changed_since_closed, check_numbers, check_together
+from usmbench.runs.columns import DRIVE_COLUMN
 from usmbench.runs.record import Record
 from usmbench.runs.time_step import alike, breaks
 
@@ -18,6 +19,7 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 _STANDS_RAD_S = 1e-9
+_FEWEST_WINDOWS = 50
 
 
 def from_windows(records: Sequence[Record]) -> Dataset:
@@ -34,8 +36,8 @@ def from_windows(records: Sequence[Record]) -> Dataset:
     Raises
     ------
     InputError
-        A value that is no number, runs of different motors or windows, no window that was driven,
-        or a phase that never changes.
+        A value that is no number, runs of different motors or windows, too few windows that were
+        driven, or too few phases.
     """
     window_s = float(np.median(records[0].window_s))
     found: list[tuple[Point, Segment]] = []
@@ -63,6 +65,7 @@ def from_windows(records: Sequence[Record]) -> Dataset:
         runs.append(_fitted(record, sum(segment.n for _, segment in pieces)))
         found += pieces
         warnings += _points_without_data(record, [point for point, _ in pieces])
+    warnings += _all_taken_as_driven(records)
     return _dataset(found, window_s, runs, warnings)
 
 
@@ -77,7 +80,7 @@ def from_pairs(records: Sequence[Record]) -> Dataset:
     Raises
     ------
     InputError
-        A value that is no number, no settled pair, or a phase that never changes.
+        A value that is no number, no settled pair, or too few phases.
     """
     found: list[tuple[Point, Segment]] = []
     runs: list[FittedRun] = []
@@ -124,7 +127,18 @@ def _dataset(
                 f"{', '.join(run.name for run in runs)}: the phase is {low_deg:g}° throughout"
                 f"{describe(point)}; a curve needs a run in which the phase changes"
             )
+        if not any(np.any((low_deg < p_deg) & (p_deg < high_deg)) for p_deg in own):
+            raise InputError(
+                f"{', '.join(run.name for run in runs)}: the phase is {low_deg:g}° or {high_deg:g}°"
+                f"{describe(point)} and never between; a curve needs three phases at least"
+            )
         spans_deg.append((low_deg, high_deg))
+    n = sum(segment.n for segment in segments)
+    if window_s is not None and n < _FEWEST_WINDOWS:
+        raise InputError(
+            f"{', '.join(run.name for run in runs)}: only {n} windows were driven; a curve and its "
+            f"dynamics need {_FEWEST_WINDOWS} at least"
+        )
     return Dataset(
         segments, tuple(points), window_s, tuple(runs), tuple(spans_deg), tuple(warnings)
     )
@@ -155,6 +169,19 @@ def _used(record: Record) -> Mask | None:
     if wild.any():
         masks.append(~wild)
     return np.logical_and.reduce(masks) if masks else None
+
+
+def _all_taken_as_driven(records: Sequence[Record]) -> list[str]:
+    """Warn of runs that do not say which of their windows were driven."""
+    names = [record.name for record in records if record.driven is None]
+    if not names:
+        return []
+    more = f" and {len(names) - 1} more" if len(names) > 1 else ""
+    return [
+        f"{names[0]}{more}: no column {DRIVE_COLUMN}, every row is taken as driven; rows without "
+        "drive, and those of a warm-up, falsify the time constant: mark them by "
+        f"{DRIVE_COLUMN} 0 and sweep -1, or remove them"
+    ]
 
 
 def _pairs_of(record: Record, warnings: list[str]) -> tuple[Array, Array, list[Point]]:

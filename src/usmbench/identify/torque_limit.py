@@ -27,7 +27,7 @@ from usmbench.model.linear import fading, fitted_start_rad_s, free_run
 Array = NDArray[np.float64]
 
 _JUDGED_ROWS = (2500, 200)  # in all, and of each stretch
-_FEWEST_CHANGES = 40
+_FEWEST_CHANGES = 20  # rows just after a change, in each half
 _HINT = 5.0  # standard deviations
 _CLEARLY = 0.9  # of the lag's loss
 _LOW, _HIGH = 0.02, 50.0  # slips of interest, of the span of speeds
@@ -105,7 +105,8 @@ def limited_fit(search: RobustFit, lag: LagFamily, found: Polished) -> Estimate 
     share = min(1.0, rows / sum(c.half.size for c in courses))
     judged = [course.beginning(share) for course in courses]
     speeds = np.concatenate([c.settled_rad_s for c in judged])
-    changes = sum(int(np.count_nonzero(c.changing & (c.half >= 0))) for c in judged)
+    halves = np.concatenate([c.half[c.changing & (c.half >= 0)] for c in judged])
+    changes = int(np.bincount(halves, minlength=2).min())
     if changes < _FEWEST_CHANGES or np.ptp(speeds) == 0.0 or search.quietest_rad_s == 0.0:
         return None
     family = LimitedLagFamily(lag, float(np.ptp(speeds)))

@@ -141,7 +141,8 @@ def test_wrong_usage_is_one_line_and_status_2(
     [
         ("phase_deg,speed_rad_s\n30,1\n30,2\n30,1\n", "the phase is 30° throughout"),
         ("phase_deg,speed_rad_s\n0,0\n30,nan\n", "speed_rad_s is nan"),
-        ("phase_deg,speed_rad_s\n0,0\n30,1\n60,2\n", "cannot carry"),
+        ("phase_deg,speed_rad_s\n0,0\n30,1\n60,2\n", "only 3 windows were driven; a curve and"),
+        ("phase_deg,speed_rad_s\n" + 40 * "0,0\n90,1\n", "0° or 90° and never between; a curve ne"),
         ("phase_deg,speed_rad_s\n", ""),
         ("t_s,phase_deg,speed_rad_s\n0.02,0,1\n0.01,5,2\n", "t_s does not rise"),
     ],

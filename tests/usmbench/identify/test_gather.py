@@ -71,6 +71,29 @@ def test_a_constant_phase_at_one_point_is_refused(measure: Measure) -> None:
         from_windows([replace(record, phase_deg=phase_deg, frequency_hz=frequency_hz)])
 
 
+def test_two_phases_are_refused(measure: Measure) -> None:
+    record = measure(300)
+    two_deg = np.where(record.phase_deg > 0.0, 90.0, 0.0)
+    with pytest.raises(InputError, match=r"the phase is 0° or 90° and never between; .* three"):
+        from_windows([replace(record, phase_deg=two_deg)])
+    # Together with a run of other phases they are enough.
+    assert from_windows([record, replace(record, phase_deg=two_deg)]).spans_deg[0][1] == 90.0
+
+
+def test_few_windows_are_refused(measure: Measure) -> None:
+    assert sum(s.n for s in from_windows([measure(50)]).segments) == 50
+    with pytest.raises(InputError, match=r"run 0: only 49 windows were driven; .* need 50"):
+        from_windows([measure(49)])
+
+
+def test_runs_that_do_not_mark_what_was_driven_are_told_of_in_one_line(measure: Measure) -> None:
+    unmarked = [measure(300, seed=seed) for seed in (1, 2)]
+    marked = replace(measure(300), extra={"drive_on": np.ones(300)})
+    assert from_windows([marked]).warnings == ()
+    (warning,) = from_windows([marked, *unmarked]).warnings
+    assert warning.startswith("run 1 and 1 more: no column drive_on, every row is taken as driven")
+
+
 def test_runs_of_two_motors_are_refused(measure: Measure) -> None:
     runs = [replace(measure(seed=k), meta={"motor": f"USR60 #{k}"}) for k in (1, 2)]
     with pytest.raises(InputError, match="do not belong together: run 1 is of USR60 #1"):

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from usmbench.identify.fast import FastOptions, identify_fast
 from usmbench.identify.lag_family import LagFamily
@@ -73,6 +74,30 @@ def test_many_small_steps_do_not_hide_the_limit(measure: Measure, curve: StaticC
         gentle.append(replace(record, phase_deg=phase_deg, speed_rad_s=speed_rad_s))
     linear = identify_fast([large, *gentle], FastOptions()).model.linear
     assert linear.slip_limit_rad_s == pytest.approx(SLIP_RAD_S, rel=0.05)
+
+
+def dwells_of_50(curve: StaticCurve, phases_deg: NDArray[np.float64]) -> Record:
+    """Return a run of the limited motor: two blocks of 25 rows are a dwell."""
+    phase_deg = np.repeat(phases_deg, 50)
+    noise_rad_s = NOISE_RAD_S * np.random.default_rng(9).standard_normal(phase_deg.size)
+    speed_rad_s = free_run(LIMITED, curve.speed_rad_s(phase_deg)) + noise_rad_s
+    windows_s = np.full(phase_deg.size, 0.01)
+    return Record("run", np.cumsum(windows_s), phase_deg, speed_rad_s, windows_s)
+
+
+def test_long_dwells_do_not_hide_the_limit(curve: StaticCurve) -> None:
+    phases_deg = np.random.default_rng(9).uniform(-88.0, 88.0, 90)
+    linear = identify_fast([dwells_of_50(curve, phases_deg)], FastOptions()).model.linear
+    assert linear.slip_limit_rad_s == pytest.approx(SLIP_RAD_S, rel=0.05)
+
+
+def test_changes_in_one_half_alone_prove_nothing(curve: StaticCurve) -> None:
+    # Cut into stretches of two dwells, whose one change is in the first block.
+    phases_deg = np.random.default_rng(9).uniform(-88.0, 88.0, 90)
+    record = dwells_of_50(curve, phases_deg)
+    jumps_s = np.repeat(np.arange(45.0), 100)
+    found = identify_fast([replace(record, t_s=record.t_s + jumps_s)], FastOptions())
+    assert found.model.linear.slip_limit_rad_s is None
 
 
 def test_an_unseen_run_is_met_to_the_noise(measure: Measure, curve: StaticCurve) -> None:
