@@ -290,7 +290,7 @@ HEAD = "format: usmbench-run/1\n"
             ":2: plan.frequency_hz: 'fast' does not fit (a num",
         ),
         (HEAD + "bench: {generator: 3}\n", ":2: bench.generator: 3 is not a mapping of keys"),
-        (HEAD + "seed: many\n", ":2: seed: 'many' is not a whole number or null"),
+        (HEAD + "seed: many\n", ":2: seed: 'many' is not a number or null"),
         (HEAD + "defects: {}\n", ":2: defects: {} is not a list or null"),
         (
             HEAD + "a: &a [x, x, x, x]\nmotor: [*a" + 99 * ",*a" + "]\n",
