@@ -223,9 +223,9 @@ KILLED = textwrap.dedent(
                               temperature=False, raw=False)
     for k in range(10**9):
         t_s = (k + 1) * 0.01
-        writer.window(WindowRow(t_s, k // 10, 1.0, 41e3, 0.0, t_s, 0.01, 0, 1, 1.0, 1))
+        writer.window(WindowRow(t_s, k // 10 % 90, 1.0, 41e3, 0.0, t_s, 0.01, 0, 1, 1.0, 1))
         if k % 10 == 9:
-            writer.pair(PairRow(k // 10, 41e3, 0.0, 1.0, 0.0, 10, 1, t_s, k // 10, 1))
+            writer.pair(PairRow(k // 10 % 90, 41e3, 0.0, 1.0, 0.0, 10, 1, t_s, k // 10, 1))
         print(k + 1, flush=True)
     """
 )
