@@ -19,6 +19,7 @@ from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.foretold import foretells_nothing, foretold_rad_s
 from usmbench.diagnose.fitting.gain import Gain, held_out_gain
 from usmbench.diagnose.fitting.intervals import intervals
+from usmbench.diagnose.naming.began_warm import WarmStart, warm_warnings
 from usmbench.diagnose.naming.detectable import smallest_sizes
 from usmbench.diagnose.naming.found import (
     Found,
@@ -30,7 +31,6 @@ from usmbench.diagnose.naming.ranking import Ranked, alternatives
 from usmbench.diagnose.naming.remainder import LOUD, describe
 from usmbench.diagnose.naming.search import search
 from usmbench.diagnose.naming.sporadic import Sporadic, find_sporadic, left_unnamed
-from usmbench.diagnose.naming.warm_start import WarmStart, warm_warnings
 from usmbench.diagnose.residual.own_effects import cut_beside_own, known_of, own_effects
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.views import residual_views

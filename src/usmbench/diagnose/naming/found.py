@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.fitting.fit import NOTHING, Fit
+from usmbench.diagnose.fitting.huber_weights import huber_weights
 from usmbench.diagnose.fitting.refining import refine
-from usmbench.diagnose.fitting.robust import huber_weights
 from usmbench.diagnose.naming.chance import chancy_of, leaves_scatter
 from usmbench.diagnose.naming.ranking import NO_CHANCE, Ranked
 from usmbench.diagnose.naming.remainder import LOUD

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 from usmbench.diagnose.fitting.fit import NOTHING, Fit
 from usmbench.diagnose.fitting.foretold import held_out_drop
+from usmbench.diagnose.fitting.huber_weights import huber_weights, robust_spread
 from usmbench.diagnose.fitting.refining import refine, refine_widely
-from usmbench.diagnose.fitting.robust import huber_weights, robust_spread
 from usmbench.diagnose.fitting.scanning import fit_effect, sharpen
 from usmbench.diagnose.naming.chance import scatters, struck_by
 from usmbench.diagnose.naming.ranking import (
