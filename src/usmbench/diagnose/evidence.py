@@ -113,11 +113,13 @@ class Candidate:
     n_parameters
         Parameters it takes.
     p_value
-        Family-wise probability of such a drop where nothing is wrong.
+        Family-wise probability of such a drop, less the misfit, where nothing is wrong.
     explained
         Share of the structure found in the residual that it removes, 0 … 1.
     parameters
         Its estimates, intervals left open where it was not refined.
+    misfit
+        What of the statistic does not speak for it; see `Ranked`.
     """
 
     name: str
@@ -128,6 +130,7 @@ class Candidate:
     p_value: float
     explained: float
     parameters: tuple[Estimate, ...]
+    misfit: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -266,6 +266,7 @@ def _candidate(r: Ranked, found: Found) -> Candidate:
         r.p_value,
         basis_share,
         _estimates(r.fit.effects[-1], {}),
+        r.misfit,
     )
 
 

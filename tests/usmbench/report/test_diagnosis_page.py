@@ -83,6 +83,24 @@ def test_the_page_says_everything_once(
     assert text.count("speed (rad/s)") == 2  # the wide and the narrow drawing
 
 
+def test_evidence_that_does_not_count_is_told_from_what_does(
+    make_diagnosis: Make, show: Callable[[Diagnosis], str]
+) -> None:
+    candidate = replace(make_diagnosis().candidates[1], statistic=30.6)
+    assert "0 of 30.6" not in read(show(make_diagnosis(candidates=(candidate,)))).text
+    discounted = replace(candidate, misfit=50.0)
+    assert "0 of 30.6" in read(show(make_diagnosis(candidates=(discounted,)))).text
+
+
+def test_p_of_a_further_cause_is_said_to_be_beside_the_first(
+    make_diagnosis: Make, show: Callable[[Diagnosis], str]
+) -> None:
+    cause = make_diagnosis().causes[0]
+    beside = "p of a cause that was found after another is beside that one"
+    assert beside not in read(show(make_diagnosis())).text
+    assert beside in read(show(make_diagnosis(causes=(cause, cause)))).text
+
+
 def test_it_needs_nothing_from_outside(
     make_diagnosis: Make, show: Callable[[Diagnosis], str]
 ) -> None:

@@ -40,10 +40,12 @@ class Ranked:
     statistic
         Drop of the deviance that the last effect brings, over the noise's spread.
     p_value
-        Family-wise probability of it where nothing is wrong; of a cause by chance whose scatter is
-        not there, of what is beyond a misfit.
+        Family-wise probability of it, less the misfit, where nothing is wrong.
     score
-        Statistic less the price of its parameters, and of such a misfit.
+        Statistic less the price of its parameters, and the misfit.
+    misfit
+        What of the statistic does not speak for the cause: of one by chance whose scatter is not
+        there, and of one that what the model may be off by passes for.
     """
 
     effect: Effect
@@ -51,6 +53,7 @@ class Ranked:
     statistic: float
     p_value: float
     score: float
+    misfit: float = 0.0
 
 
 def rank(
@@ -90,7 +93,7 @@ def rank(
         alone = Fit(fit.effects[-1:], statistic - misfit, fit.roughness)
         p_value = min(1.0, alone.p_value * len(effects))
         score = statistic - misfit - _price(effect, price)
-        found.append(Ranked(effect, fit, statistic, p_value, score))
+        found.append(Ranked(effect, fit, statistic, p_value, score, misfit))
     return sorted(found, key=lambda r: -r.score)
 
 
