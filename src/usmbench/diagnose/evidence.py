@@ -57,6 +57,8 @@ class NamedCause:
         Probability of evidence as strong for any cause of the library where nothing is wrong.
     gain
         Share of the held-out mean square above the noise floor that this cause removes.
+    waves
+        Amplitude and angle of those parameters that are a cosine and a sine of one quantity.
     """
 
     name: str
@@ -67,6 +69,7 @@ class NamedCause:
     parameters: tuple[Estimate, ...]
     p_value: float
     gain: float
+    waves: tuple[Estimate, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """Return the mapping that the contract asks for."""
@@ -79,6 +82,7 @@ class NamedCause:
             "gain": self.gain,
             "meaning": self.meaning,
             "mend": self.mend,
+            "waves": {p.name: p.to_json() for p in self.waves},
         }
 
 

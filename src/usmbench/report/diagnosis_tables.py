@@ -133,10 +133,10 @@ def _card(cause: NamedCause) -> str:
             (
                 f'{escaped(quantity(p.name, p.unit))} <span class="how">{escaped(p.what)}</span>',
                 escaped(with_interval(p)),
-                f"<code>{escaped(p.name)}: {p.value:.6g}</code>",
+                "–" if p in cause.waves else f"<code>{escaped(p.name)}: {p.value:.6g}</code>",
             ),
         )
-        for p in cause.parameters
+        for p in (*cause.waves, *cause.parameters)
     ]
     sizes = table(("Parameter", "Value (95 % interval)", "In the model file"), rows) if rows else ""
     others = ", ".join(spelled(name) for name in cause.alternatives)

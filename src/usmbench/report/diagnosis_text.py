@@ -225,7 +225,8 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
 def _named(cause: NamedCause) -> str:
     """Return a cause with its estimates and what cannot be told from it."""
     sizes = ", ".join(
-        f"{quantity(p.name, p.unit)} {sized(p.value, p.unit)}" for p in cause.parameters
+        f"{quantity(p.name, p.unit)} {sized(p.value, p.unit)}"
+        for p in cause.waves or cause.parameters
     )
     text = spelled(cause.name) + (f" ({sizes})" if sizes else "")
     if cause.alternatives:
