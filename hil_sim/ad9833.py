@@ -11,7 +11,6 @@ SLEEP1: Final = 1 << 7
 SLEEP12: Final = 1 << 6
 OPBITEN: Final = 1 << 5
 DIV2: Final = 1 << 3
-MODE: Final = 1 << 1
 
 FREQUENCY_ADDRESSES: Final = (0x4000, 0x8000)
 """Upper bits of a word for the frequency registers 0 and 1; 14 bits of data follow."""

@@ -54,11 +54,6 @@ BYTE_KINDS: Final = (
     FaultKind.DOUBLED_BYTE,
     FaultKind.LATE_BYTE,
 )
-DAQ_KINDS: Final = (
-    FaultKind.DAQ_OVERFLOW,
-    FaultKind.EVENT_STREAM_DEAD,
-    FaultKind.SERVER_DEAD,
-)
 
 OPTIONS: Final[dict[FaultKind, frozenset[str]]] = {
     FaultKind.FLIPPED_BYTE: frozenset({"direction", "bit"}),

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TextIO
 
 from usmbench.cli.simulated_bench import SimulatedOperator, simulated_settings, start_testbed
+from usmbench.errors import LostCountsError
 from usmbench.instruments.generator import SignalGenerator
 from usmbench.instruments.nidaq import NiSampleSource
 from usmbench.instruments.samples import SampleSource
@@ -76,6 +77,7 @@ def open_bench(
         operator: Operator = TerminalOperator(sys.stderr)
         rested_s = 0.0
         if bench == SIMULATED:
+            stack.enter_context(_where_its_limits_are())
             testbed = stack.enter_context(start_testbed(["--lock-step", *testbed_arguments]))
             settings = simulated_settings(BenchSettings(), testbed.port, testbed.daq_address)
             # Its motor is made anew, cold and at rest, however short the wait was.
@@ -91,3 +93,15 @@ def open_bench(
             SignalGenerator.open(settings.generator, frame_log=frame_log)
         )
         yield Bench(settings, generator, source, operator, rested_s=rested_s)
+
+
+@contextmanager
+def _where_its_limits_are() -> Iterator[None]:
+    """Say how a limit of the simulated bench is changed, where a message names its bench file."""
+    try:
+        yield
+    except LostCountsError as error:
+        raise LostCountsError(
+            f"{error} (the simulated bench has none: start python -m hil_sim --lock-step, with the "
+            "defect, and give --bench a file with the port and the address that it prints)"
+        ) from error

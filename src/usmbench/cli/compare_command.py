@@ -8,9 +8,12 @@ from typing import Any
 import numpy as np
 
 from usmbench.cli.json_output import write_json
+from usmbench.cli.output import warn
 from usmbench.cli.plot_argument import add_plot_argument
 from usmbench.errors import InputError
 from usmbench.report.plain_text import printable
+from usmbench.report.plot_format import plot_format
+from usmbench.runs.check_record import changed_since_closed
 from usmbench.runs.comparison import Comparison, compare_pairs, differing_keys
 from usmbench.runs.output_paths import check_outputs
 from usmbench.runs.reader import read_run
@@ -50,14 +53,17 @@ def run(args: argparse.Namespace) -> int:
     from usmbench.report.comparison_plot import write_comparison_plot
 
     check_outputs({"--plot": args.plot, "--json": args.json}, [args.first, args.second])
+    plot_format(args.plot)
     first, second = read_run(args.first), read_run(args.second)
     comparison = compare_pairs(_pairs(first), _pairs(second))
     keys = list(differing_keys(first.meta, second.meta))
     write_comparison_plot(args.plot, comparison, (first.name, second.name))
+    warnings = changed_since_closed([first, second])
+    warn(warnings)
     figures = _figures(comparison)
     if args.json:
         differing = [key for key, _, _ in keys]
-        write_json(args.json, figures | {"differing_keys": differing})
+        write_json(args.json, figures | {"differing_keys": differing, "warnings": warnings})
     if args.json != "-":
         for name, value in [
             *_lines(figures, comparison),

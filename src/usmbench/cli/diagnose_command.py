@@ -210,6 +210,10 @@ def _lines(found: Diagnosis) -> str:
         lines.append(f"           {cause.meaning}")
         lines.append(f"           {cause.mend}")
         lines += [f"           {p.name}: {p.what}" for p in cause.parameters if p.what]
+        lines += [
+            f"           {p.name} {p.value:.4g} ({p.low:.4g} … {p.high:.4g}): {p.what}"
+            for p in cause.waves
+        ]
         if cause.alternatives:
             lines.append(f"           cannot be told from {', '.join(cause.alternatives)}")
     lines.append(

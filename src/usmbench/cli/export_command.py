@@ -3,8 +3,10 @@
 import argparse
 from pathlib import Path
 
+from usmbench.cli.output import warn
 from usmbench.errors import InputError
 from usmbench.model.run_files import WRITERS
+from usmbench.runs.check_record import changed_since_closed
 from usmbench.runs.output_paths import check_outputs
 from usmbench.runs.reader import read_run
 
@@ -48,6 +50,8 @@ def run(args: argparse.Namespace) -> int:
             f"its ending does not say the format; add --to {'|'.join(sorted(WRITERS))}", file=file
         )
     check_outputs({"FILE": file}, [args.recorded])
-    WRITERS[to](file, read_run(args.recorded))
+    record = read_run(args.recorded)
+    WRITERS[to](file, record)
+    warn(changed_since_closed([record]))
     print(file)
     return 0

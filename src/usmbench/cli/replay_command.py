@@ -10,6 +10,7 @@ from usmbench.cli.output import warn
 from usmbench.errors import InputError
 from usmbench.model.model_file import read_model
 from usmbench.model.replay import Replay, replay_record
+from usmbench.report.plot_format import plot_format
 from usmbench.runs.output_paths import check_outputs
 from usmbench.runs.reader import read_run
 
@@ -53,6 +54,8 @@ def run(args: argparse.Namespace) -> int:
     if args.out is not None:
         raise InputError("--out is for --bench; use --plot or --json with --model")
     check_outputs({"--json": args.json, "--plot": args.plot}, [args.recorded, args.model])
+    if args.plot is not None:
+        plot_format(args.plot)
     record, model = read_run(args.recorded), read_model(args.model)
     replay = replay_record(record, model)
     warn(replay.warnings)

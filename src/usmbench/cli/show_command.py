@@ -5,8 +5,11 @@ from pathlib import Path
 
 import numpy as np
 
+from usmbench.cli.output import warn
 from usmbench.cli.plot_argument import add_plot_argument
 from usmbench.report.plain_text import printable
+from usmbench.report.plot_format import plot_format
+from usmbench.runs.check_record import changed_since_closed
 from usmbench.runs.output_paths import check_outputs
 from usmbench.runs.reader import read_run
 from usmbench.runs.record import Record
@@ -45,6 +48,7 @@ def run(args: argparse.Namespace) -> int:
     from usmbench.report.run_plot import write_run_plot
 
     check_outputs({"--plot": args.plot}, [args.recorded, args.model])
+    plot_format(args.plot)
     record = read_run(args.recorded)
     model = None
     if args.model is not None:
@@ -52,6 +56,7 @@ def run(args: argparse.Namespace) -> int:
 
         model = read_model(args.model)
     write_run_plot(args.plot, record, model)
+    warn(changed_since_closed([record]))
     for name, value in _lines(record, args.plot):
         print(f"{name:10} {printable(value)}")
     return 0

@@ -57,6 +57,8 @@ class NamedCause:
         Probability of evidence as strong for any cause of the library where nothing is wrong.
     gain
         Share of the held-out mean square above the noise floor that this cause removes.
+    waves
+        Amplitude and angle of those parameters that are a cosine and a sine of one quantity.
     """
 
     name: str
@@ -67,6 +69,7 @@ class NamedCause:
     parameters: tuple[Estimate, ...]
     p_value: float
     gain: float
+    waves: tuple[Estimate, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """Return the mapping that the contract asks for."""
@@ -79,6 +82,7 @@ class NamedCause:
             "gain": self.gain,
             "meaning": self.meaning,
             "mend": self.mend,
+            "waves": {p.name: p.to_json() for p in self.waves},
         }
 
 
@@ -113,11 +117,13 @@ class Candidate:
     n_parameters
         Parameters it takes.
     p_value
-        Family-wise probability of such a drop where nothing is wrong.
+        Family-wise probability of such a drop, less the misfit, where nothing is wrong.
     explained
         Share of the structure found in the residual that it removes, 0 … 1.
     parameters
         Its estimates, intervals left open where it was not refined.
+    misfit
+        What of the statistic does not speak for it; see `Ranked`.
     """
 
     name: str
@@ -128,6 +134,7 @@ class Candidate:
     p_value: float
     explained: float
     parameters: tuple[Estimate, ...]
+    misfit: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,6 +19,8 @@ from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.foretold import foretells_nothing, foretold_rad_s
 from usmbench.diagnose.fitting.gain import Gain, held_out_gain
 from usmbench.diagnose.fitting.intervals import intervals
+from usmbench.diagnose.fitting.wave_sizes import wave_sizes
+from usmbench.diagnose.naming.began_warm import WarmStart, warm_warnings
 from usmbench.diagnose.naming.detectable import smallest_sizes
 from usmbench.diagnose.naming.found import (
     Found,
@@ -30,7 +32,6 @@ from usmbench.diagnose.naming.ranking import Ranked, alternatives
 from usmbench.diagnose.naming.remainder import LOUD, describe
 from usmbench.diagnose.naming.search import search
 from usmbench.diagnose.naming.sporadic import Sporadic, find_sporadic, left_unnamed
-from usmbench.diagnose.naming.warm_start import WarmStart, warm_warnings
 from usmbench.diagnose.residual.own_effects import cut_beside_own, known_of, own_effects
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.views import residual_views
@@ -208,6 +209,7 @@ def _causes(held: _Held) -> list[NamedCause]:
     found = held.found
     problem, fit, spread = found.problem, found.fit, found.spread
     ranges, alone = intervals(problem, fit, spread), held.sporadic is not None
+    waves = wave_sizes(problem, fit, spread)
     causes = []
     for k, (ranking, applied) in enumerate(zip(found.named, fit.effects, strict=True)):
         share = held.gain.gain
@@ -226,6 +228,7 @@ def _causes(held: _Held) -> list[NamedCause]:
                 _estimates(applied, ranges[k]),
                 ranking[0].p_value,
                 share,
+                waves[k],
             )
         )
     causes = strongest_first(causes)
@@ -266,6 +269,7 @@ def _candidate(r: Ranked, found: Found) -> Candidate:
         r.p_value,
         basis_share,
         _estimates(r.fit.effects[-1], {}),
+        r.misfit,
     )
 
 

@@ -11,7 +11,7 @@ from scipy.optimize import least_squares
 from usmbench.identify.design import Stretch
 from usmbench.identify.dynamics import Parametrised
 from usmbench.identify.polish import Polished
-from usmbench.identify.robust import changing_rows
+from usmbench.identify.robust_fit import changing_rows
 from usmbench.model.linear import free_run, memory_windows
 from usmbench.runs.dwells import dwell_begin
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from usmbench.identify.data import Dataset, Segment
 from usmbench.identify.dynamics import NONE, Dynamics
 from usmbench.identify.projected import Projected
-from usmbench.identify.robust import OVER_MEDIAN, bisquare_weights, residual_scales
+from usmbench.identify.robust_fit import OVER_MEDIAN, bisquare_weights, residual_scales
 from usmbench.model.linear import memory_windows
 
 Array = NDArray[np.float64]

@@ -14,7 +14,7 @@ from usmbench.identify.polish import polished
 from usmbench.identify.projected import Projected
 from usmbench.identify.residual_tests import residual_tests
 from usmbench.identify.result import Identification, assemble
-from usmbench.identify.robust import RobustFit, robust_fit
+from usmbench.identify.robust_fit import RobustFit, robust_fit
 from usmbench.identify.run_gains import at_one_gain, far_off, run_gains
 from usmbench.identify.shape import FastOptions, Shape, rough_fit, settle_shape
 from usmbench.identify.thinning import searched_part

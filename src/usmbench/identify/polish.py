@@ -18,7 +18,7 @@ from usmbench.identify.data import Dataset
 from usmbench.identify.dynamics import Dynamics, Family
 from usmbench.identify.linearised import Linearisation
 from usmbench.identify.pieces import PIECE_ROWS, Piece, Regressors, pieces, regressors
-from usmbench.identify.robust import RobustFit, bisquare_root, changing_rows
+from usmbench.identify.robust_fit import RobustFit, bisquare_root, changing_rows
 from usmbench.identify.sensitivities import output_sensitivities
 from usmbench.identify.triangle import full_rank, triangle
 from usmbench.model.linear import free_run, from_rest

@@ -13,7 +13,12 @@ from usmbench.identify.design import build_design, check_rows
 from usmbench.identify.jumping_curve import jumping_choice
 from usmbench.identify.knots import place_knots
 from usmbench.identify.projected import Projected
-from usmbench.identify.robust import bisquare_weights, counted_alike, residual_scales, robust_fit
+from usmbench.identify.robust_fit import (
+    bisquare_weights,
+    counted_alike,
+    residual_scales,
+    robust_fit,
+)
 from usmbench.identify.selection import (
     DEGREES,
     Choice,

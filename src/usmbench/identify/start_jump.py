@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from usmbench.identify.bends import NODES, polygon_rows, responses
 from usmbench.identify.curve_rows import CurveRows
-from usmbench.identify.robust import OVER_MEDIAN
+from usmbench.identify.robust_fit import OVER_MEDIAN
 
 Array = NDArray[np.float64]
 

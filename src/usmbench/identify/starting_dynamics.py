@@ -12,7 +12,7 @@ from usmbench.identify.dynamics import Dynamics, Family, FreeFamily
 from usmbench.identify.lag_family import LONGER_DEAD_TIME, LagFamily
 from usmbench.identify.output_error import fit_output_error
 from usmbench.identify.projected import Projected
-from usmbench.identify.robust import counted_alike, residual_scales
+from usmbench.identify.robust_fit import counted_alike, residual_scales
 from usmbench.identify.selection import prior_rows
 from usmbench.identify.separable import separable_start
 

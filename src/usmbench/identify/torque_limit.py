@@ -19,7 +19,7 @@ from usmbench.identify.dynamics import Dynamics, Parametrised
 from usmbench.identify.lag_family import LagFamily
 from usmbench.identify.linearised import Linearisation, Linearised
 from usmbench.identify.polish import Polished
-from usmbench.identify.robust import RobustFit, bisquare_root, changing_rows, scales
+from usmbench.identify.robust_fit import RobustFit, bisquare_root, changing_rows, scales
 from usmbench.identify.row_weights import RowWeights
 from usmbench.identify.uncertainty import Estimate
 from usmbench.model.linear import fading, fitted_start_rad_s, free_run

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from usmbench.identify.data import Dataset, describe
-from usmbench.identify.robust import RobustFit
+from usmbench.identify.robust_fit import RobustFit
 
 _FAR_SCALES, _FAR_SHARE = 10.0, 0.03  # of the residual's scale, of the highest speed
 _LIKE, _FEWEST = 9, 5  # samples: those at the nearest phases, and enough to speak of

@@ -26,6 +26,7 @@ from usmbench.report.diagnosis_text import (
     times,
     verdict_sentence,
 )
+from usmbench.report.error_text import noise_note, what_is_left
 from usmbench.runs.columns import WINDOWS_FILE
 from usmbench.runs.meta import sha256_of
 from usmbench.runs.output_files import write_output
@@ -147,7 +148,11 @@ def _figures(diagnosis: Diagnosis) -> str:
             f"{number(diagnosis.rmse_simulation_rad_s)} rad/s",
             "root mean square, free-running",
         ),
-        ("Noise of the bench", f"{number(diagnosis.noise_floor_rad_s)} rad/s", "no model can beat"),
+        (
+            "Noise of the bench",
+            f"{number(diagnosis.noise_floor_rad_s)} rad/s",
+            noise_note(diagnosis),
+        ),
     ]
     if diagnosis.causes:
         interval = f"{percent(diagnosis.gain_low)} … {percent(diagnosis.gain_high)}"
@@ -207,9 +212,10 @@ def _views(diagnosis: Diagnosis) -> str:
         )
     return (
         '<h2 id="views">What gave it away</h2>'
-        '<p class="how">Measured less simulated speed, averaged. Noise alone keeps all points of '
-        "a figure within its grey band in 95 of 100 runs; 1 × is at the band's edge. The figure "
-        f'that leaves its band farthest comes first.</p>{legend(*entries)}<div class="views">'
+        '<p class="how">Measured less simulated speed, averaged, without what the simulation '
+        "misses on its own runs. Noise, and what healthy runs differ by, keep all points of a "
+        "figure within its grey band in 95 of 100 runs; 1 × is at the band's edge. The figure that "
+        f'leaves its band farthest comes first.</p>{legend(*entries)}<div class="views">'
         f"{''.join(figures)}</div>"
     )
 
@@ -230,20 +236,16 @@ def _evidence(diagnosis: Diagnosis) -> str:
     return (
         '<h2 id="evidence">Evidence, cause by cause</h2>'
         '<p class="how">Each cause of the library, fitted alone. Evidence is the drop of the '
-        "whitened sum of squares; p is the probability that the whole library would show as much "
-        f"where nothing is wrong.</p>{candidates_table(diagnosis)}{untested}"
+        "whitened sum of squares, as far as it speaks for the cause: 0 of 31 where what the model "
+        "may be off by explains as much, or where counts should be lost by chance and do not "
+        "scatter. p is the probability that the whole library would show as much evidence, with as "
+        f"many parameters, where nothing is wrong.</p>{candidates_table(diagnosis)}{untested}"
     )
 
 
 def _left(diagnosis: Diagnosis) -> str:
     """Say what remains."""
-    if diagnosis.remainder is not None:
-        says = f"Something is left: {diagnosis.remainder.says}."
-    elif diagnosis.verdict == "no_discrepancy":
-        says = "There was nothing to explain."
-    else:
-        says = "What is left over cannot be told from the bench's noise."
-    return f'<h2 id="remainder">What is left</h2><p>{escaped(says)}</p>'
+    return f'<h2 id="remainder">What is left</h2><p>{escaped(what_is_left(diagnosis))}</p>'
 
 
 def _driven(driven: Sequence[tuple[str, str]]) -> str:

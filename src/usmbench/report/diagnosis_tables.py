@@ -89,12 +89,20 @@ def _candidate_cells(candidate: Candidate, tag: str) -> tuple[str, ...]:
     )
     return (
         f"{escaped(spelled(candidate.name))}{form}{tag}",
-        number(candidate.statistic),
+        _evidence_cell(candidate),
         str(candidate.n_parameters),
         escaped(probability(candidate.p_value)),
         f'<span class="bar"><i style="width:{100.0 * share:.0f}%"></i></span>{percent(share)}',
         f'<span class="how">{sizes}</span>',
     )
+
+
+def _evidence_cell(candidate: Candidate) -> str:
+    """Evidence that counts for a cause, and of how much."""
+    counts = number(max(candidate.statistic - candidate.misfit, 0.0))
+    if not candidate.misfit:
+        return counts
+    return f'{counts} <span class="how">of {number(candidate.statistic)}</span>'
 
 
 def causes_section(diagnosis: Diagnosis) -> str:
@@ -107,8 +115,14 @@ def causes_section(diagnosis: Diagnosis) -> str:
     """
     if not diagnosis.causes:
         return ""
+    beside = ""
+    if len(diagnosis.causes) > 1:
+        beside = (
+            '<p class="how">p of a cause that was found after another is beside that one; in the '
+            "table above each is alone.</p>"
+        )
     cards = "".join(_card(cause) for cause in diagnosis.causes)
-    return f'<h2 id="causes">What it is, and how large</h2>{cards}'
+    return f'<h2 id="causes">What it is, and how large</h2>{beside}{cards}'
 
 
 def _card(cause: NamedCause) -> str:
@@ -119,10 +133,10 @@ def _card(cause: NamedCause) -> str:
             (
                 f'{escaped(quantity(p.name, p.unit))} <span class="how">{escaped(p.what)}</span>',
                 escaped(with_interval(p)),
-                f"<code>{escaped(p.name)}: {p.value:.6g}</code>",
+                "–" if p in cause.waves else f"<code>{escaped(p.name)}: {p.value:.6g}</code>",
             ),
         )
-        for p in cause.parameters
+        for p in (*cause.waves, *cause.parameters)
     ]
     sizes = table(("Parameter", "Value (95 % interval)", "In the model file"), rows) if rows else ""
     others = ", ".join(spelled(name) for name in cause.alternatives)

@@ -205,8 +205,8 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     n = f"{diagnosis.n_windows:,}".replace(",", _BLANK)
     if diagnosis.verdict == "no_discrepancy":
         return (
-            f"Over {n} windows the motor does what its simulation says, within the noise of "
-            f"{number(diagnosis.noise_floor_rad_s)} rad/s."
+            f"Over {n} windows the motor does what its simulation says: the error is noise, and "
+            "what the simulation misses on its own runs or healthy runs differ by."
         )
     if diagnosis.verdict == "unexplained":
         return (
@@ -225,7 +225,8 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
 def _named(cause: NamedCause) -> str:
     """Return a cause with its estimates and what cannot be told from it."""
     sizes = ", ".join(
-        f"{quantity(p.name, p.unit)} {sized(p.value, p.unit)}" for p in cause.parameters
+        f"{quantity(p.name, p.unit)} {sized(p.value, p.unit)}"
+        for p in cause.waves or cause.parameters
     )
     text = spelled(cause.name) + (f" ({sizes})" if sizes else "")
     if cause.alternatives:

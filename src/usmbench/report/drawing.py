@@ -7,13 +7,12 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from usmbench.errors import InputError
+from usmbench.report.plot_format import plot_format
 from usmbench.runs.output_files import write_output
 from usmbench.runs.pauses import without_pauses_s
 from usmbench.runs.record import Column, Record
 
 CURVE_POINTS = 721
-_FORMATS = {".png", ".svg", ".pdf"}
 # Rising and falling passes differ in shape as well as in shade: they must be told apart in grey.
 PASSES = ((1.0, "^", "rising φ", "0.15"), (-1.0, "v", "falling φ", "0.55"))
 
@@ -44,14 +43,12 @@ def save_figure(figure: Figure, path: Path) -> None:
 
     Raises
     ------
-    InputError
+    usmbench.errors.InputError
         The file cannot be written, or its format is unknown.
     """
-    if path.suffix.lower() not in _FORMATS:
-        raise InputError("its ending names no format; give a .png, .svg or .pdf", file=path)
-    drawn = BytesIO()
+    drawn, ending = BytesIO(), plot_format(path)
     with warnings.catch_warnings():
         # A run's name may hold letters that the plot's font does not have.
         warnings.filterwarnings("ignore", "Glyph .* missing from font")
-        figure.savefig(drawn, dpi=130, format=path.suffix.lower()[1:])
+        figure.savefig(drawn, dpi=130, format=ending)
     write_output(path, drawn.getvalue())

@@ -77,7 +77,7 @@ def changed_since_closed(records: Sequence[Record]) -> list[str]:
     """
     return [
         f"{record.name}: {' and '.join(record.changed)} changed after the run was closed, by the "
-        "check sums in its run.yaml; judged as it is now, restore it from a copy if nobody meant it"
+        "check sums in its run.yaml; taken as it is now, restore it from a copy if nobody meant it"
         for record in records
         if record.changed
     ]

@@ -200,14 +200,17 @@ def _check_index(seen: Seen, settings: InterlockSettings) -> None:
         return
     if _goes_nowhere(seen.counts, seen.edges):
         why = f"the counter changed {seen.edges} times but went nowhere: {DEAD_CHANNEL}"
+    elif seen.phase_deg * seen.speed_rad_s < 0.0:
+        why = f"counted against φ = {seen.phase_deg:g}°: {DEAD_CHANNEL}"
     else:
         why = (
-            "counts are lost; look at the encoder's cable and its lines in the bench file, or set "
-            "the limit to null to record all the same"
+            "counts are lost, or their direction is; look at the encoder's cable and its lines in "
+            "the bench file"
         )
     raise LostCountsError(
         f"the index pulse came {error:+d} counts off at {seen.speed_rad_s:.2f} rad/s (limit "
-        f"index_error_max_counts {limit}): {why}"
+        f"index_error_max_counts {limit}): {why}; to record all the same, set the limit to null "
+        "in the bench file"
     )
 
 

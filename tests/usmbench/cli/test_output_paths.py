@@ -54,6 +54,17 @@ def test_an_output_is_looked_at_before_the_work(
     assert (run / "windows.csv").read_text() == "measured"
 
 
+@pytest.mark.parametrize(
+    "words", [["show", "run"], ["compare", "run", "run"], ["replay", "run", "--model", "m.yaml"]]
+)
+def test_a_plot_of_no_format_is_refused_before_the_work(
+    run: Path, words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*words, "--plot", "x.foo"]) == 2
+    said = capsys.readouterr().err
+    assert said == "usmbench: x.foo: its ending names no format; give a .png, .svg or .pdf\n"
+
+
 def test_one_file_is_no_place_for_two_outputs(
     run: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -75,6 +75,17 @@ def test_the_testbed_answers_and_goes_when_it_is_not_needed() -> None:
         socket.create_connection((host, int(port)), timeout=5.0)
 
 
+def test_a_defect_that_the_index_stops_says_how_to_record_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["sweep", plan_file(tmp_path), "--bench", "simulated", "--out", str(tmp_path / "run")]
+    assert main([*words, "--defect", "dead_direction"]) == 3
+    said = capsys.readouterr().err
+    assert "counts off" in said
+    assert "start python -m hil_sim --lock-step, with the defect, and give --bench a file" in said
+    assert said.count("\n") == 1
+
+
 def test_a_testbed_that_refuses_its_arguments_says_why() -> None:
     with (
         pytest.raises(InputError, match=r"refuses.*no-such-option"),

@@ -1,4 +1,4 @@
-"""What a user ought to know of a run is said by every command that judges it."""
+"""What a user ought to know of a run is said by every command that reads it."""
 
 import json
 from pathlib import Path
@@ -15,6 +15,7 @@ from usmbench.runs.record_folder import write_record
 
 JUDGING = ["identify RUN --out new.yaml", "replay RUN --model model.yaml"]
 JUDGING += ["diagnose RUN --model model.yaml"]
+READING = ["show RUN", "compare RUN RUN", "export RUN run.mat"]
 META = {"format": "usmbench-run/1", "id": "x", "started": "2026-01-01T00:00:00+00:00"}
 
 
@@ -64,6 +65,21 @@ def test_data_that_changed_after_the_run_was_closed_are_told(
         assert main([*words, "--each"]) == 0
         said = capsys.readouterr()
         assert said.err.count("windows.csv changed after the run was closed") == 1
+
+
+@pytest.mark.parametrize("command", READING)
+def test_so_does_a_command_that_only_shows_them(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = closed_run(Path("run"))
+    words = command.replace("RUN", str(run)).split()
+    assert main(words) == 0
+    assert capsys.readouterr().err == ""
+    windows = run / "windows.csv"
+    windows.write_text("".join(windows.read_text().splitlines(keepends=True)[:-20]))
+    assert main(words) == 0
+    said = capsys.readouterr().err
+    assert said.startswith("usmbench: warning: run: windows.csv changed after the run was closed")
 
 
 @pytest.mark.parametrize("command", JUDGING)

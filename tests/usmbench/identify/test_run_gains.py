@@ -11,7 +11,7 @@ from usmbench.identify.gather import from_windows
 from usmbench.identify.knots import place_knots
 from usmbench.identify.lag_family import LagFamily
 from usmbench.identify.projected import Projected
-from usmbench.identify.robust import counted_alike
+from usmbench.identify.robust_fit import counted_alike
 from usmbench.identify.run_gains import at_one_gain, run_gains
 from usmbench.identify.starting_dynamics import soft_priors
 from usmbench.model.effects.first_order import first_order

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from usmbench.diagnose.evidence import Estimate
 from usmbench.diagnose.result import Diagnosis
 from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel
@@ -81,6 +82,39 @@ def test_the_page_says_everything_once(
     ):
         assert text.count(said) >= 1, said
     assert text.count("speed (rad/s)") == 2  # the wide and the narrow drawing
+
+
+def test_evidence_that_does_not_count_is_told_from_what_does(
+    make_diagnosis: Make, show: Callable[[Diagnosis], str]
+) -> None:
+    candidate = replace(make_diagnosis().candidates[1], statistic=30.6)
+    assert "0 of 30.6" not in read(show(make_diagnosis(candidates=(candidate,)))).text
+    discounted = replace(candidate, misfit=50.0)
+    assert "0 of 30.6" in read(show(make_diagnosis(candidates=(discounted,)))).text
+
+
+def test_a_wave_is_shown_by_its_amplitude(
+    make_diagnosis: Make, show: Callable[[Diagnosis], str]
+) -> None:
+    wave = (
+        Estimate("ripple", 0.009, 0.0088, 0.0092, "1", "how far it is off"),
+        Estimate("ripple_at_deg", -51.8, -53.2, -50.4, "deg"),
+    )
+    cause = replace(make_diagnosis().causes[0], alternatives=(), waves=wave)
+    page = show(make_diagnosis(causes=(cause,)))
+    text = read(page).text.replace("\N{NO-BREAK SPACE}", " ")
+    assert "transport delay (ripple 0.9 %, ripple at −51.8°)" in text
+    assert "0.900 % (0.880 … 0.920 %)" in text
+    assert "<code>ripple" not in page
+
+
+def test_p_of_a_further_cause_is_said_to_be_beside_the_first(
+    make_diagnosis: Make, show: Callable[[Diagnosis], str]
+) -> None:
+    cause = make_diagnosis().causes[0]
+    beside = "p of a cause that was found after another is beside that one"
+    assert beside not in read(show(make_diagnosis())).text
+    assert beside in read(show(make_diagnosis(causes=(cause, cause)))).text
 
 
 def test_it_needs_nothing_from_outside(

@@ -112,6 +112,13 @@ def test_a_dead_channel_that_the_index_shows() -> None:
         run([toggling])
 
 
+def test_a_dead_direction_that_the_index_shows() -> None:
+    upward = replace(WELL, phase_deg=-90.0, index_error_counts=-1175)
+    assert upward.speed_rad_s > 0.0
+    with pytest.raises(LostCountsError, match="against φ = -90°: one encoder channel is dead"):
+        run([upward])
+
+
 def test_a_motor_that_moved_at_this_phase_must_go_on_moving() -> None:
     slow = replace(WELL, phase_deg=30.0, counts=7, edges=7)
     error = trip([slow] * 10 + [replace(STILL, phase_deg=40.0)] * 50)

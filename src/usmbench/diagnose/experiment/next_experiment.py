@@ -23,8 +23,8 @@ from usmbench.diagnose.experiment.experiment_menu import menu
 from usmbench.diagnose.experiment.experiment_range import range_of
 from usmbench.diagnose.experiment.proposal import Experiment, planned_record
 from usmbench.diagnose.fitting.fit import Fit
+from usmbench.diagnose.fitting.huber_weights import robust_spread
 from usmbench.diagnose.fitting.refining import refine
-from usmbench.diagnose.fitting.robust import robust_spread
 from usmbench.diagnose.known.knowledge import Knowledge
 from usmbench.diagnose.naming.ranking import telling_deviance
 from usmbench.diagnose.noise.noise_estimate import noise_as_stated

@@ -9,7 +9,7 @@ from usmbench.diagnose.residual.problem import Problem
 
 Array = NDArray[np.float64]
 
-_EDGE_95 = 3.84  # 95 % of chi-squared with one degree of freedom
+EDGE_95 = 3.84  # 95 % of chi-squared with one degree of freedom
 _WIDER, _HALVINGS, _FOLLOWING = 16, 6, 2
 
 
@@ -28,7 +28,7 @@ def intervals(problem: Problem, fit: Fit, spread: float) -> list[dict[str, tuple
     spread
         Standard deviation of the whitened noise, at least 1.
     """
-    joint, rise = Joint(problem, fit.effects), _EDGE_95 * spread**2
+    joint, rise = Joint(problem, fit.effects), EDGE_95 * spread**2
     theta = joint.start
     if theta.size == 0:
         return [{} for _ in fit.effects]

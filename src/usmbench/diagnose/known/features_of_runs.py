@@ -9,6 +9,7 @@ from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.cutting.warmth import n_constants
 from usmbench.diagnose.known.features import Features
 from usmbench.diagnose.known.shapes import (
+    TABLED,
     phase_nodes,
     short_of_ends_deg,
     unheld_rad_s,
@@ -16,8 +17,6 @@ from usmbench.diagnose.known.shapes import (
 )
 
 Array = NDArray[np.float64]
-
-_TABLE = 2001
 
 
 def features_of(stretches: Sequence[Stretch]) -> Features:
@@ -30,7 +29,7 @@ def features_of(stretches: Sequence[Stretch]) -> Features:
     """
     phase_deg = [s.context.phase_deg for s in stretches]
     table_deg = np.linspace(
-        min(p.min() for p in phase_deg), max(p.max() for p in phase_deg), _TABLE
+        min(p.min() for p in phase_deg), max(p.max() for p in phase_deg), TABLED
     )
     speeds = [_at_point(stretches, k, table_deg) for k in range(len(stretches[0].points))]
     every_deg = np.sort(np.concatenate(phase_deg))

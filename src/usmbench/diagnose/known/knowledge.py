@@ -19,7 +19,7 @@ from usmbench.diagnose.known.between_nodes import between_nodes, deviations_rad_
 from usmbench.diagnose.known.departures import departures, unwatched_warming
 from usmbench.diagnose.known.features import Features
 from usmbench.diagnose.known.wander import Wander
-from usmbench.diagnose.known.warm_start import warm_root, warm_shapes
+from usmbench.diagnose.known.warm_start_shapes import warm_root, warm_shapes
 from usmbench.diagnose.noise.noise_model import Noise
 from usmbench.model.extended import Applied, applied_effects
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.known.features import Features
 from usmbench.diagnose.known.knowledge import Knowledge
-from usmbench.diagnose.known.shapes import phase_nodes
+from usmbench.diagnose.known.shapes import TABLED, phase_nodes
 from usmbench.diagnose.known.triangle_text import triangle_of, triangle_text
 from usmbench.diagnose.known.wander import LEAST, wander_from_mapping, wander_of_shares
 from usmbench.diagnose.noise.noise_model import noise_from_mapping
@@ -28,7 +28,6 @@ _KEY = "diagnosis"
 _SHAPES = 2  # version of what coefficients mean: 1 had the dead zone's in degrees
 _CAUTIOUS_CURVE = 0.2  # of the model's noise, at each node
 _CAUTIOUS_LAG = 0.002  # of the step
-_TABLE = 2001
 
 
 def with_known(model: HammersteinModel, known: Knowledge) -> HammersteinModel:
@@ -132,7 +131,7 @@ def _cautious(model: HammersteinModel) -> Knowledge:
     noise_rad_s = float(np.median([p.noise_rad_s for p in model.points]))
     low_deg = min(p.phase_range_deg[0] for p in model.points)
     high_deg = max(p.phase_range_deg[1] for p in model.points)
-    table_deg = np.linspace(low_deg, high_deg, _TABLE)
+    table_deg = np.linspace(low_deg, high_deg, TABLED)
     speeds = [p.curve.speed_rad_s(table_deg) for p in model.points]
     features = Features(
         phase_nodes(table_deg, speeds),

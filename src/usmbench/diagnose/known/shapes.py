@@ -15,6 +15,7 @@ from usmbench.model.linear import free_run, from_rest
 Array = NDArray[np.float64]
 
 PHASE_NODES = 49
+TABLED = 2001  # phases at which curves are asked, to lay out the nodes
 _APART = 2e-5  # of the range: seven digits tell it
 _ALONE = 4.0  # usual gaps between phases that set an end apart
 _NUDGE = 1e-4  # of the slip at which the torque gives out, and of a window

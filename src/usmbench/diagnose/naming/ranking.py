@@ -12,10 +12,13 @@ from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
 
+# The usual levels of a test.
 SIGNIFICANT = 0.01  # of what is weighed further, and of single windows
 CLEAR = 0.05  # family-wise, for a name
+# How many with a scan are refined, the best to first order, since it takes time. Nothing measured
+# sets it or the next.
 _REFINED = 8
-_SAME = 0.5
+_SAME = 0.5  # deviance: two that differ by less change the simulation alike
 TELLING = 9.2  # deviance between two causes that data can tell: 99 % of chi-squared with two
 # What else the model misses decides between causes this near, and not the cause: a share of little
 # evidence (with 0.1 a delay in a triangle came out as hysteresis alone, see
@@ -23,7 +26,7 @@ TELLING = 9.2  # deviance between two causes that data can tell: 99 % of chi-squ
 _SIMILAR = 0.15
 _MISFIT, _OFF = 50.0, 0.03
 _MOST_ALTERNATIVES = 5  # a name with more of them tells nothing, unless it is beyond chance
-NO_CHANCE = 1e-6  # family-wise
+NO_CHANCE = 1e-6  # family-wise, where chance is ruled out; nothing measured sets it
 _ONE_WAY = 2.0 * math.log(2.0)  # a parameter with one sign is given half the room beforehand
 
 
@@ -40,10 +43,12 @@ class Ranked:
     statistic
         Drop of the deviance that the last effect brings, over the noise's spread.
     p_value
-        Family-wise probability of it where nothing is wrong; of a cause by chance whose scatter is
-        not there, of what is beyond a misfit.
+        Family-wise probability of it, less the misfit, where nothing is wrong.
     score
-        Statistic less the price of its parameters, and of such a misfit.
+        Statistic less the price of its parameters, and the misfit.
+    misfit
+        What of the statistic does not speak for the cause: of one by chance whose scatter is not
+        there, and of one that what the model may be off by passes for.
     """
 
     effect: Effect
@@ -51,6 +56,7 @@ class Ranked:
     statistic: float
     p_value: float
     score: float
+    misfit: float = 0.0
 
 
 def rank(
@@ -90,7 +96,7 @@ def rank(
         alone = Fit(fit.effects[-1:], statistic - misfit, fit.roughness)
         p_value = min(1.0, alone.p_value * len(effects))
         score = statistic - misfit - _price(effect, price)
-        found.append(Ranked(effect, fit, statistic, p_value, score))
+        found.append(Ranked(effect, fit, statistic, p_value, score, misfit))
     return sorted(found, key=lambda r: -r.score)
 
 

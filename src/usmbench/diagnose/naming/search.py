@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.command_times import at_moments_of
 from usmbench.diagnose.cutting.stretches import Mask, Stretch
+from usmbench.diagnose.fitting.huber_weights import huber_weights
 from usmbench.diagnose.fitting.refining import refine_widely
-from usmbench.diagnose.fitting.robust import huber_weights
 from usmbench.diagnose.known.knowledge import Knowledge
 from usmbench.diagnose.naming.chance import chancy_of
 from usmbench.diagnose.naming.found import Found, verdict_on

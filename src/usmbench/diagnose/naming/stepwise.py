@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 from usmbench.diagnose.fitting.fit import NOTHING, Fit
 from usmbench.diagnose.fitting.foretold import held_out_drop
+from usmbench.diagnose.fitting.huber_weights import huber_weights, robust_spread
 from usmbench.diagnose.fitting.refining import refine, refine_widely
-from usmbench.diagnose.fitting.robust import huber_weights, robust_spread
 from usmbench.diagnose.fitting.scanning import fit_effect, sharpen
 from usmbench.diagnose.naming.chance import scatters, struck_by
 from usmbench.diagnose.naming.ranking import (
@@ -26,12 +26,14 @@ from usmbench.diagnose.residual.views import omnibus
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
 
-_MOST_CAUSES = 3
+_MOST_CAUSES = 3  # two are named at most: a third only shows that they are patches
 # For what healthy runs show anyhow; see "nothing hidden" in benchmarks/naming_campaign.py.
 _UNUSUAL = 1e-9
 _LEAST_CLEAR = 0.1  # of the rows: what is left where chance cannot strike must tell something
 _BY_CHANCE = 3.8  # mean squares: 95 % of chi-squared with one
-_TURNS = 4  # of weighing one of two causes given the other
+# Of weighing one of two causes given the other: it ends sooner where the first comes back or the
+# deviance gains no more; the bound only keeps two from changing places for ever.
+_TURNS = 4
 
 
 @dataclass(frozen=True, slots=True)

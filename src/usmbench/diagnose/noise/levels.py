@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.identify.robust import OVER_MEDIAN
+from usmbench.identify.robust_fit import OVER_MEDIAN
 
 Array = NDArray[np.float64]
 

@@ -24,12 +24,15 @@ Array = NDArray[np.float64]
 
 LAGS, KINDS = 6, 4
 _REVERSAL = 3  # of the kinds
-_CORNER_DEG = 1.0
-_DISTRUST = 0.3
-STANDING = 0.02  # of the highest speed
+# A smooth curve rounds the corner of the dead zone off (docs/decisions/0006): where it turns within
+# a degree either way, this share of the turn counts as noise. Neither number is measured.
+_CORNER_DEG, _DISTRUST = 1.0, 0.3
+STANDING = 0.02  # of the highest speed: less counts as a stop; nothing measured sets it
 # From small steps nobody knows when a large one takes effect: a share of the step, 50 µs of 10 ms,
 # beyond so many times the largest quarter's mean, in these windows after it.
 _UNSEEN, _FARTHER, _AT_ONCE = 5e-3, 1.5, (0, 1)
+# How near an edge a phase lies is told by the speed so much farther out, on a rising grid:
+# there a rotor comes free on one day only. The grid only resolves; nothing measured sets it.
 _BEYOND_DEG = 0.5
 STARTS = (0.0025, 0.01, 0.0225, 0.045)  # of the highest speed, reached half a degree farther out
 

@@ -76,6 +76,26 @@ class Parameter:
 
 
 @dataclass(frozen=True, slots=True)
+class Wave:
+    """Two parameters that are one quantity with an angle: c cos α + s sin α.
+
+    Parameters
+    ----------
+    name
+        What its amplitude is called.
+    cosine, sine
+        The parameters.
+    what
+        What the amplitude says of the motor or the bench, in a few words.
+    """
+
+    name: str
+    cosine: str
+    sine: str
+    what: str
+
+
+@dataclass(frozen=True, slots=True)
 class Context:
     """What an effect may know of an unbroken stretch of a run; columns have shape (N,).
 
@@ -129,6 +149,7 @@ class Effect(ABC):
     mend: ClassVar[str]
     stage: ClassVar[Stage]
     parameters: ClassVar[tuple[Parameter, ...]]
+    waves: ClassVar[tuple[Wave, ...]] = ()  # pairs of the parameters
     by_chance: ClassVar[bool] = False  # the windows it acts on keep a scatter of its own
     jagged: ClassVar[bool] = False  # values a little apart change other windows; none has a size
     form_off: ClassVar[float] = PHYSICS  # share of itself by which its form may be off

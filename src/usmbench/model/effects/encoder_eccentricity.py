@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values, middle_rad
+from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values, Wave, middle_rad
 
 _TURNS = 0.1  # an arc in which a ripple bends by a twentieth of itself
 _ROUNDS = 12  # in each the shaft's angle comes nearer by the ripple's share
@@ -32,6 +32,9 @@ class EncoderEccentricity(Effect):
             what="ripple over speed that goes as cos α, α the angle that the run reports",
         ),
         Parameter("sine", "1", 0.0, -0.5, 0.5, 0.005, what="the same with sin α"),
+    )
+    waves = (
+        Wave("ripple", "cosine", "sine", "how far the disc is off, of the radius it is read at"),
     )
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:

@@ -74,3 +74,4 @@ def test_a_cause_yields_to_what_a_model_may_be_off_by(
     assert found.fit.statistic > 100.0
     assert (found.p_value < 1e-6) == is_a_cause
     assert (found.score > 0.0) == is_a_cause
+    assert (found.misfit == 0.0) == is_a_cause

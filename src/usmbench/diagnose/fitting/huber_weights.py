@@ -1,4 +1,4 @@
-"""Rows weighed by how far out they are."""
+"""Rows of the whitened residual weighed by how far out they are."""
 
 from collections.abc import Sequence
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.residual.problem import Problem
-from usmbench.identify.robust import OVER_MEDIAN
+from usmbench.identify.robust_fit import OVER_MEDIAN
 
 Array = NDArray[np.float64]
 

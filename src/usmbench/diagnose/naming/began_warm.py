@@ -1,4 +1,4 @@
-"""Whether runs look as if their motor had been warm when they began, which no fault is.
+"""Whether runs began with a warm motor, by their look, which no fault is.
 
 Temperature is in no log. A motor that was driven a moment before has its warm-up behind it; what is
 known of that says how it would look. Where it stands for names, runs are searched once more.
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from usmbench.diagnose.known.warm_start import histories, warm_means, warm_shapes
+from usmbench.diagnose.known.warm_start_shapes import histories, warm_means, warm_shapes
 from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.naming.ranking import NO_CHANCE, TELLING
 from usmbench.diagnose.residual.problem import Problem

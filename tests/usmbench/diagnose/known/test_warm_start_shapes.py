@@ -9,7 +9,7 @@ from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.cutting.warmth import TIME_CONSTANTS_S, warmth
 from usmbench.diagnose.known.features import Features
 from usmbench.diagnose.known.features_of_runs import features_of
-from usmbench.diagnose.known.warm_start import (
+from usmbench.diagnose.known.warm_start_shapes import (
     histories,
     warm_means,
     warm_root,

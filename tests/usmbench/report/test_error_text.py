@@ -1,0 +1,42 @@
+"""An error beyond the noise that is no finding is explained, and never called noise."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+from usmbench.diagnose.result import Diagnosis
+from usmbench.report.error_text import noise_note, what_is_left
+
+Make = Callable[..., Diagnosis]
+
+
+def test_an_error_beyond_the_noise_is_said_to_be_known(make_diagnosis: Make) -> None:
+    diagnosis = make_diagnosis(remainder=None)
+    said = what_is_left(diagnosis)
+    assert said.startswith("0.09 rad/s are left, where the bench's noise alone would leave 0.04")
+    assert "the simulation misses as much on its own runs" in said
+    assert said.endswith("and no figure above leaves its grey band.")
+    assert noise_note(diagnosis) == "what a simulation without any error would leave"
+
+
+def test_a_figure_beyond_its_band_is_not_hidden(make_diagnosis: Make) -> None:
+    views = (replace(make_diagnosis().views[0], excess_after=1.23),)
+    said = what_is_left(make_diagnosis(remainder=None, views=views))
+    assert "(1.2\N{NO-BREAK SPACE}× at the most)" in said
+    assert "no figure" not in said
+
+
+@pytest.mark.parametrize("rmse_rad_s", [0.04, 0.040001])
+def test_an_error_of_the_noise_is_noise(make_diagnosis: Make, rmse_rad_s: float) -> None:
+    diagnosis = make_diagnosis(remainder=None, rmse_extended_rad_s=rmse_rad_s)
+    assert what_is_left(diagnosis) == "The 0.04 rad/s that are left are the bench's noise."
+
+
+def test_nothing_larger_than_the_noise_is_left_where_they_are_equal(make_diagnosis: Make) -> None:
+    assert noise_note(make_diagnosis(rmse_extended_rad_s=0.04)) == "all that is left"
+
+
+def test_a_remainder_says_what_it_is(make_diagnosis: Make) -> None:
+    said = what_is_left(make_diagnosis())
+    assert said == "Something is left: the residual changes over the run."
