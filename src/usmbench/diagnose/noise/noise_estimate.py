@@ -30,6 +30,7 @@ _HIGHEST_ORDER = 6
 _AT_REST = 1e-3  # of the highest speed: of a rotor that creeps, single counts are seen
 _TRIMMED = 1.2  # what is left out above 97 % of a normal variable, and a little for heavier tails
 _FEWEST_STARTS, _FEWEST_PAIRS, _FEWEST_QUIET = 20, 100, 50  # rows
+_QUARTERS = 4
 _QUIET_SHARE, _NO_STEP_RAD_S = 0.2, 1e-9  # of the rows of a rotor that turns
 _CALM, _FEWEST_CALM = 0.9, 500  # of the level; rows
 _FAR = 4.0  # times the noise: what is farther out counts as that far
@@ -81,13 +82,14 @@ def estimate_noise(
 def _quiet(stretches: Sequence[Stretch], use: Mask, lag: NDArray[np.int64], size: Array) -> Mask:
     """Rows that show the noise alone, of a rotor that turns, too: far from steps, or after little.
 
-    Where a phase glides, the few rows at its crest, and those of a rotor at rest, say too little.
+    Where a phase glides, the few rows at its crest, those of a rotor at rest, and those of a
+    warm-up at one phase say too little.
     """
     settled = np.concatenate([np.abs(s.settled_rad_s) for s in stretches])
     turns = use & (settled > STANDING * float(np.max(settled, initial=0.0)))
     n_turns = max(int(np.count_nonzero(turns)), 1)
     far = use & ((lag >= LAGS) | (size < _NO_STEP_RAD_S))
-    if np.count_nonzero(far & turns) >= _FEWEST_QUIET:
+    if _at_all_phases(stretches, far & turns, turns):
         return far
     near = use & (lag >= min(2, int(lag[use].max(initial=0))))
     if np.count_nonzero(near & turns) >= max(_FEWEST_QUIET, _QUIET_SHARE * n_turns):
@@ -95,6 +97,14 @@ def _quiet(stretches: Sequence[Stretch], use: Mask, lag: NDArray[np.int64], size
     share = min(max(_QUIET_SHARE, _FEWEST_QUIET / n_turns), 1.0)
     small = turns & (size <= np.quantile(size[turns], share)) if turns.any() else use
     return np.asarray(far | near | small)
+
+
+def _at_all_phases(stretches: Sequence[Stretch], rows: Mask, turns: Mask) -> bool:
+    """Whether there are rows enough in each quarter of those of a rotor that turns, by phase."""
+    phase_deg = np.concatenate([s.context.phase_deg for s in stretches])
+    quarters = np.array_split(np.flatnonzero(turns)[np.argsort(phase_deg[turns])], _QUARTERS)
+    fewest = min(int(np.count_nonzero(rows[quarter])) for quarter in quarters)
+    return _QUARTERS * fewest >= _FEWEST_QUIET
 
 
 def _dead_zone_deg(stretches: Sequence[Stretch]) -> tuple[float, float]:

@@ -103,3 +103,14 @@ def test_the_window_of_a_stop_is_noisier_than_a_rotor_that_stands() -> None:
     found = noise.level_rad_s(stretch)
     assert np.median(found[stands & stops]) == pytest.approx(0.6 * NOISE_RAD_S, rel=0.2)
     assert np.median(found[stands & ~stops]) == pytest.approx(0.3 * NOISE_RAD_S, rel=0.2)
+
+
+def test_a_warm_up_at_one_phase_does_not_tell_the_noise_of_all() -> None:
+    rng = np.random.default_rng(8)
+    # The rotor stands below 10°: rows without a step, which tell as little.
+    stretch = _stretch(np.r_[np.full(50, 90.0), np.full(50, 0.0), rng.uniform(-85.0, 85.0, 1000)])
+    stands = np.abs(stretch.context.phase_deg) < 8.0
+    left = np.where(stands, 0.1, 1.0) * NOISE_RAD_S * rng.standard_normal(stretch.context.n)
+    noise = estimate_noise([stretch], [left], [stretch.use])
+    turns = (np.abs(stretch.context.phase_deg) > 15.0) & (stretch.lag > 0)
+    assert noise.calm_rad_s(stretch)[turns] == pytest.approx(NOISE_RAD_S, rel=0.25)
