@@ -13,6 +13,7 @@ from usmbench.diagnose.noise.chance_scatter import chance_scatter_rad_s
 from usmbench.diagnose.noise.noise_model import Noise
 from usmbench.diagnose.noise.whitening import memory_rows
 from usmbench.diagnose.residual.covariance import Covariance, whitened_by
+from usmbench.diagnose.residual.expected import expected_as_counted
 from usmbench.diagnose.residual.form import ROUGHLY, off_in_form
 from usmbench.diagnose.residual.free_runs import FreeRuns
 from usmbench.model.effects.base import PHYSICS
@@ -156,7 +157,21 @@ class Problem:
                     context=replace(context, phase_deg=phase_deg),
                 )
             )
-        return self._leaving(shown)
+        return self._leaving(shown, self._expected_of(effects))
+
+    def _expected_of(self, effects: Sequence[Applied]) -> list[Array] | None:
+        """Return what counters report of what a model leaves at the shaft; None without one.
+
+        What one takes by chance beyond a knee is left out: small errors decide there who is beyond.
+        """
+        counters = [a for a in effects if a.effect.stage == "counter" and not a.effect.by_chance]
+        if not counters:
+            return None
+        changes = self.change_rad_s([a for a in effects if a not in counters])
+        return [
+            expected_as_counted(self.known, s, change, counters)
+            for s, change in zip(self.stretches, changes, strict=True)
+        ]
 
     def turned(self, effects: Sequence[Applied]) -> "Problem":
         """Return the same problem with the angle that the shaft has where effects lose counts.
@@ -300,10 +315,12 @@ class Problem:
         """
         return self._carrier.carried(np.concatenate(signal))
 
-    def _leaving(self, stretches: Sequence[Stretch]) -> "Problem":
+    def _leaving(
+        self, stretches: Sequence[Stretch], expected_rad_s: list[Array] | None = None
+    ) -> "Problem":
         """Return the same problem with what is no news as these runs show it."""
         other = self._where(Covariance.of(self._covariance.filter_, self.known, stretches))
-        other._expected_rad_s = [self.known.expected_rad_s(s) for s in stretches]
+        other._expected_rad_s = expected_rad_s or [self.known.expected_rad_s(s) for s in stretches]
         parts = zip(self.residual_rad_s, self._expected_rad_s, other._expected_rad_s, strict=True)
         return other.measuring([left + before - now for left, before, now in parts])
 

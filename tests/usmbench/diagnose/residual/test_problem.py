@@ -153,6 +153,29 @@ def test_another_gain_makes_as_much_more_of_an_effect(
     np.testing.assert_allclose(again.carried(signal), problem.carried(signal), atol=1e-9)
 
 
+@pytest.mark.parametrize(
+    "counter",
+    [
+        Applied(find_effect("swapped_channels", ""), {}),
+        Applied(find_effect("speed_scale", ""), {"scale_error": -0.5}),
+    ],
+    ids=lambda counter: counter.effect.name,
+)
+def test_a_counter_does_to_what_the_model_is_off_by_what_it_does_to_the_speed(
+    counter: Applied, model: HammersteinModel, stretches: list[Stretch], noise: Noise
+) -> None:
+    plain = knowledge_of(model)
+    rough = np.where(np.array(plain.features.groups) == "phase", 0.1, 0.0)
+    known = replace(plain, mean=rough * np.random.default_rng(2).standard_normal(rough.size))
+    (stretch,) = stretches
+    shaft_rad_s = stretch.simulated_rad_s + known.expected_rad_s(stretch)
+    reported = counter.effect.apply(shaft_rad_s, stretch.context, counter.values)
+    problem = Problem([replace(stretch, speed_rad_s=reported)], known, noise, [stretch.use])
+    plainly, shown = (p.left_rad_s([counter])[0] for p in (problem, problem.showing([counter])))
+    assert np.max(np.abs(shown)) < 1e-9
+    assert np.max(np.abs(plainly)) > 0.05
+
+
 def test_what_the_curve_is_known_to_be_off_by_belongs_to_the_phases_that_are_set(
     model: HammersteinModel, stretches: list[Stretch], noise: Noise
 ) -> None:
