@@ -5,7 +5,10 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from usmbench.diagnose.cutting.cut_runs import cut_runs
+from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.reference import with_knowledge
+from usmbench.diagnose.residual.problem import Problem
 from usmbench.identify.fast import FastOptions, identify_fast
 from usmbench.model.effects.base import Context
 from usmbench.model.effects.first_order import first_order
@@ -51,3 +54,15 @@ def identified() -> HammersteinModel:
     """Return the model that two healthy runs give."""
     runs = [measured(1), measured(2)]
     return with_knowledge(identify_fast(runs, FastOptions(12)).model, runs)
+
+
+def judged(spread: float) -> Problem:
+    """Return a healthy run whose noise has grown."""
+    model = identified()
+    record = driven(np.repeat(np.random.default_rng(6).uniform(-88.0, 88.0, 100), 20), 6)
+    more = np.sqrt(spread**2 - 1.0) * NOISE_RAD_S * np.random.default_rng(7).standard_normal(2000)
+    record.speed_rad_s[:] += more
+    (stretch,), _ = cut_runs([record], model, ())
+    known = knowledge_of(model)
+    assert known.noise is not None
+    return Problem([stretch], known, known.noise, [stretch.use])

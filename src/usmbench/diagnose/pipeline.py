@@ -21,11 +21,10 @@ from usmbench.diagnose.fitting.gain import Gain, held_out_gain
 from usmbench.diagnose.fitting.intervals import intervals
 from usmbench.diagnose.fitting.wave_sizes import wave_sizes
 from usmbench.diagnose.naming.began_warm import WarmStart, warm_warnings
+from usmbench.diagnose.naming.beside_verdict import left_aside, unmeasured, unseen_steps
 from usmbench.diagnose.naming.detectable import smallest_sizes
 from usmbench.diagnose.naming.found import (
     Found,
-    left_aside,
-    unmeasured,
     verdict_on,
 )
 from usmbench.diagnose.naming.ranking import Ranked, alternatives
@@ -189,6 +188,7 @@ def _warnings(held: _Held) -> Iterator[str]:
     found = held.found
     yield from unknown_moments(found.problem.stretches)
     yield from unmeasured(found)
+    yield from unseen_steps(found)
     if held.sporadic is not None:
         yield (
             f"no simulation foresees which windows {held.sporadic.named.name} strikes: "

@@ -36,7 +36,6 @@ _GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by
 _TRIFLE = 0.01  # of what there was: what a form of an effect may be off by
 _MOSTLY = 0.5  # of what is off
 _SCATTER = 0.5  # of what is left: the rest is smooth
-_UNKNOWN, _MANY_ROWS = 0.1, 0.2  # of the highest speed; of the rows
 _AT_END = 0.99  # of the way from nothing to the end of what a size may be
 
 
@@ -183,55 +182,6 @@ def verdict_on(found: Found, sporadic: Sporadic | None) -> Verdict:
     if sporadic is not None and sporadic.deviance > elsewhere:
         return "explained" if found.before.p_value > PLAINLY else "partly_explained"
     return on_nothing_named(found)
-
-
-def left_aside(found: Found) -> list[str]:
-    """Say what is beyond chance in one part of the runs only, where nothing is named.
-
-    Parameters
-    ----------
-    found
-        What the search came to.
-
-    Returns
-    -------
-    list of str
-        One warning, or none.
-    """
-    best = found.ranked[0]
-    if best.p_value >= NO_CHANCE or best.effect.name in found.problem.known.habit_names:
-        return []
-    return [
-        f"{best.effect.name} explains more than chance leaves, but not in parts of the runs that "
-        "its fit has not seen, so it is no name; drive the plan again, or one that repeats its "
-        "passes"
-    ]
-
-
-def unmeasured(found: Found) -> list[str]:
-    """Say where the model was hardly measured.
-
-    Parameters
-    ----------
-    found
-        What the search came to.
-
-    Returns
-    -------
-    list of str
-        One warning, or none.
-    """
-    problem = found.problem
-    uses = [s.use for s in problem.stretches]
-    off_rad_s = np.concatenate(problem.unsure_rad_s(uses))[np.concatenate(uses)]
-    share = float(np.mean(off_rad_s > _UNKNOWN * problem.known.features.top_rad_s))
-    if share < _MANY_ROWS:
-        return []
-    return [
-        f"on {100.0 * share:.0f} % of the rows the model may be off by {100.0 * _UNKNOWN:.0f} % of "
-        "the highest speed and more, such as between phases that its runs did not drive: they tell "
-        "little; identify it on a run that drives them"
-    ]
 
 
 def on_nothing_named(found: Found) -> Verdict:

@@ -30,7 +30,7 @@ _CORNER_DEG, _DISTRUST = 1.0, 0.3
 STANDING = 0.02  # of the highest speed: less counts as a stop; nothing measured sets it
 # From small steps nobody knows when a large one takes effect: a share of the step, 50 µs of 10 ms,
 # beyond so many times the largest quarter's mean, in these windows after it.
-_UNSEEN, _FARTHER, _AT_ONCE = 5e-3, 1.5, (0, 1)
+_UNSEEN, FARTHER, _AT_ONCE = 5e-3, 1.5, (0, 1)
 # How near an edge a phase lies is told by the speed so much farther out, on a rising grid:
 # there a rotor comes free on one day only. The grid only resolves; nothing measured sets it.
 _BEYOND_DEG = 0.5
@@ -86,7 +86,7 @@ class Noise:
             beyond = np.maximum(size[rows] / max(nodes[-1], 1e-300), 1.0)
             spread[rows] = np.interp(size[rows], nodes, values) * beyond
             if k in _AT_ONCE:
-                spread[rows] += _UNSEEN * np.maximum(size[rows] - _FARTHER * nodes[-1], 0.0)
+                spread[rows] += _UNSEEN * np.maximum(size[rows] - FARTHER * nodes[-1], 0.0)
         at_edge = np.interp(
             farther_out(stretch), (0.0, *STARTS, 2.0 * STARTS[-1]), (0.0, *self.start_rad_s, 0.0)
         )

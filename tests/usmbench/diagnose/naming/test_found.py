@@ -2,37 +2,21 @@
 
 from unittest.mock import Mock
 
-import numpy as np
 import pytest
 
-from known_motor import NOISE_RAD_S, applied, driven, identified
-from usmbench.diagnose.cutting.cut_runs import cut_runs
+from known_motor import applied, judged
 from usmbench.diagnose.fitting.fit import Fit
-from usmbench.diagnose.known.model_knowledge import knowledge_of
-from usmbench.diagnose.naming.found import Found, left_aside, verdict_on
+from usmbench.diagnose.naming.found import Found, verdict_on
 from usmbench.diagnose.naming.ranking import Ranked
 from usmbench.diagnose.naming.sporadic import Sporadic
-from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.whole import Whole
-
-
-def _judged(spread: float) -> Problem:
-    """Return a healthy run whose noise has grown."""
-    model = identified()
-    record = driven(np.repeat(np.random.default_rng(6).uniform(-88.0, 88.0, 100), 20), 6)
-    more = np.sqrt(spread**2 - 1.0) * NOISE_RAD_S * np.random.default_rng(7).standard_normal(2000)
-    record.speed_rad_s[:] += more
-    (stretch,), _ = cut_runs([record], model, ())
-    known = knowledge_of(model)
-    assert known.noise is not None
-    return Problem([stretch], known, known.noise, [stretch.use])
 
 
 @pytest.mark.parametrize(("spread", "mostly_left"), [(1.2, False), (1.8, True)])
 def test_a_noise_that_has_grown_to_a_finding_is_left_by_a_name(
     spread: float, mostly_left: bool
 ) -> None:
-    problem = _judged(spread)
+    problem = judged(spread)
     fit = Fit((), 0.1 * problem.deviance, 0.0)
     quiet = Whole(0.0, 1.0, problem.n_rows)
     assert Found(problem, spread, [], [], fit, quiet, quiet).mostly_left == mostly_left
@@ -44,7 +28,7 @@ def test_a_noise_that_has_grown_to_a_finding_is_left_by_a_name(
 def test_scatter_excuses_a_name_beside_less_than_it_explains(
     left: float, verdict: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    problem = _judged(1.4)  # and so much scatter that what the views show is little of it
+    problem = judged(1.4)  # and so much scatter that what the views show is little of it
     lost = applied("missed_counts", "of all", share_lost=0.05, above_rad_s=9.0)
     fit = Fit((lost,), 900.0, 0.0)
     named = [[Ranked(lost.effect, fit, 900.0, 0.0, 900.0)]]
@@ -57,7 +41,7 @@ def test_scatter_excuses_a_name_beside_less_than_it_explains(
     ("asymmetry", "verdict"), [(0.3, "explained"), (1.5, "unexplained"), (-1.5, "unexplained")]
 )
 def test_a_size_that_is_all_it_may_be_is_no_explanation(asymmetry: float, verdict: str) -> None:
-    problem = _judged(1.0)
+    problem = judged(1.0)
     cause = applied("gain_asymmetry", "balanced", asymmetry=asymmetry)
     fit = Fit((cause,), 9e3, 0.0)
     named = [[Ranked(cause.effect, fit, 9e3, 0.0, 9e3)]]
@@ -69,7 +53,7 @@ def test_a_size_that_is_all_it_may_be_is_no_explanation(asymmetry: float, verdic
 def test_a_name_beside_something_smooth_that_has_none_is_a_patch(
     share: float, verdict: str
 ) -> None:
-    problem = _judged(1.0)
+    problem = judged(1.0)
     weight = applied("load_torque", "weight", one_sided_rad_s=0.1)
     fit = Fit((weight,), 2e3, 0.0)
     named = [[Ranked(weight.effect, fit, 2e3, 0.0, 2e3)]]
@@ -87,7 +71,7 @@ def test_a_name_beside_something_smooth_that_has_none_is_a_patch(
 def test_a_grid_of_phases_that_explains_some_is_an_accident(
     name: str, form: str, values: dict[str, float], verdict: str
 ) -> None:
-    problem = _judged(1.0)
+    problem = judged(1.0)
     cause = applied(name, form, **values)
     fit = Fit((cause,), 200.0, 0.0)
     named = [[Ranked(cause.effect, fit, 200.0, 0.0, 200.0)]]
@@ -97,7 +81,7 @@ def test_a_grid_of_phases_that_explains_some_is_an_accident(
 
 @pytest.mark.parametrize(("share", "verdict"), [(0.2, "no_discrepancy"), (0.3, "unexplained")])
 def test_what_has_no_name_counts_window_by_window(share: float, verdict: str) -> None:
-    problem = _judged(1.0)
+    problem = judged(1.0)
     # In a window in which the rotor stops the plain error is large, and tells nothing.
     problem.residual_rad_s[0][100] = 50.0
     found = Whole(share * problem.n_rows, 0.0, problem.n_rows)
@@ -105,26 +89,11 @@ def test_what_has_no_name_counts_window_by_window(share: float, verdict: str) ->
     assert verdict_on(Found(problem, 1.0, [], [], fit, found, found), None) == verdict
 
 
-@pytest.mark.parametrize(("p_value", "warns"), [(1e-9, True), (1e-3, False)])
-def test_what_is_beyond_chance_in_one_place_is_said(p_value: float, warns: bool) -> None:
-    problem = _judged(1.0)
-    weight = applied("load_torque", "weight", one_sided_rad_s=0.1)
-    ranked = [Ranked(weight.effect, Fit((weight,), 60.0, 0.0), 60.0, p_value, 50.0)]
-    quiet = Whole(0.0, 1.0, problem.n_rows)
-    found = Found(problem, 1.0, ranked, [], Fit((), 0.0, 0.0), quiet, quiet)
-    assert verdict_on(found, None) == "no_discrepancy"
-    warnings = left_aside(found)
-    assert len(warnings) == warns
-    assert all(
-        w.startswith("load_torque explains") and "drive the plan again" in w for w in warnings
-    )
-
-
 @pytest.mark.parametrize(("share", "verdict"), [(0.3, "no_discrepancy"), (0.9, "explained")])
 def test_single_windows_are_the_matter_where_most_of_what_is_off_is_in_them(
     share: float, verdict: str
 ) -> None:
-    problem = _judged(1.8)
+    problem = judged(1.8)
     quiet = Whole(0.0, 1.0, problem.n_rows)
     found = Found(problem, 1.0, [], [], Fit((), 0.0, 0.0), quiet, quiet)
     assert found.off_in_all > 0.0

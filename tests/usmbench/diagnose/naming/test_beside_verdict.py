@@ -1,0 +1,42 @@
+"""What is said beside a verdict."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from known_motor import applied, judged
+from usmbench.diagnose.fitting.fit import Fit
+from usmbench.diagnose.naming.beside_verdict import left_aside, unseen_steps
+from usmbench.diagnose.naming.found import Found, verdict_on
+from usmbench.diagnose.naming.ranking import Ranked
+from usmbench.diagnose.residual.whole import Whole
+
+
+@pytest.mark.parametrize(("p_value", "warns"), [(1e-9, True), (1e-3, False)])
+def test_what_is_beyond_chance_in_one_place_is_said(p_value: float, warns: bool) -> None:
+    problem = judged(1.0)
+    weight = applied("load_torque", "weight", one_sided_rad_s=0.1)
+    ranked = [Ranked(weight.effect, Fit((weight,), 60.0, 0.0), 60.0, p_value, 50.0)]
+    quiet = Whole(0.0, 1.0, problem.n_rows)
+    found = Found(problem, 1.0, ranked, [], Fit((), 0.0, 0.0), quiet, quiet)
+    assert verdict_on(found, None) == "no_discrepancy"
+    warnings = left_aside(found)
+    assert len(warnings) == warns
+    assert all(
+        w.startswith("load_torque explains") and "drive the plan again" in w for w in warnings
+    )
+
+
+@pytest.mark.parametrize(("share", "warns"), [(1.1, False), (0.1, True)])
+def test_steps_larger_than_any_the_model_was_identified_on_are_said(
+    share: float, warns: bool
+) -> None:
+    problem = judged(1.0)
+    step_rad_s = np.abs(problem.stretches[0].step_rad_s).max()
+    sizes = np.full_like(problem.noise.step_rad_s, share * step_rad_s)
+    problem.noise = replace(problem.noise, step_rad_s=sizes)
+    quiet = Whole(0.0, 1.0, problem.n_rows)
+    warnings = unseen_steps(Found(problem, 1.0, [], [], Fit((), 0.0, 0.0), quiet, quiet))
+    assert len(warnings) == warns
+    assert all("identify it on a run with such steps as well" in w for w in warnings)
