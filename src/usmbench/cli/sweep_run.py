@@ -92,6 +92,7 @@ def run_meta(bench: BenchSettings, board: Identity, **further: Any) -> dict[str,
             "samples_per_average": bench.daq.samples_per_average,
         },
         "firmware": f"{board.firmware_major}.{board.firmware_minor}",
+        "generator": {"phase_step_deg": 360.0 / (1 << board.phase_bits)},
         "bench": bench_document(bench),
         **further,
     }

@@ -58,8 +58,10 @@ def with_knowledge(model: HammersteinModel, records: Sequence[Record]) -> Hammer
         stretches, _ = cut_runs(records, model, ())
     except InputError:
         return model
-    known = measure_knowledge(stretches)
-    habits: tuple[Applied, ...] = ()
+    habits = _built_in(stretches)
+    if habits:
+        stretches, _ = cut_runs(records, model, habits)
+    known = measure_knowledge(stretches, habits)
     stages: tuple[Stage, ...] = ("command", "settled")
     for stage in stages:
         # The shapes that are known would hide what a curve cannot be, and need not share it.
@@ -72,12 +74,26 @@ def with_knowledge(model: HammersteinModel, records: Sequence[Record]) -> Hammer
     return with_known(model, known)
 
 
+def _built_in(stretches: Sequence[Stretch]) -> tuple[Applied, ...]:
+    """Return what the runs say that their bench does to every command."""
+    contexts = [s.context for s in stretches]
+    said: dict[str, Applied] = {}
+    for effect in library():
+        values = effect.built_in(contexts)
+        if values is not None:
+            said.setdefault(effect.name, Applied(effect, values))
+    return tuple(said.values())
+
+
 def _habit(
     stretches: Sequence[Stretch], known: Knowledge, own: Sequence[Applied], stage: Stage
 ) -> tuple[Applied, ...]:
     """Return what healthy runs plainly show at a stage, beyond what is known."""
     contexts = [s.context for s in stretches]
-    effects = [e for e in library() if e.stage == stage and e.habitual(contexts)]
+    names = {applied.effect.name for applied in own}
+    effects = [
+        e for e in library() if e.stage == stage and e.name not in names and e.habitual(contexts)
+    ]
     if known.noise is None or not effects:
         return ()
     problem = Problem(stretches, known, known.noise, [s.use for s in stretches], own)

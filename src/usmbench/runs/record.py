@@ -96,6 +96,12 @@ class Record:
         drive_on = self.extra.get(DRIVE_COLUMN)
         return None if drive_on is None else np.asarray(drive_on.astype(np.float64) != 0.0)
 
+    @property
+    def phase_step_deg(self) -> float | None:
+        """Step of the phases that the generator sets; None where run.yaml does not say."""
+        step_deg: float | None = (self.meta.get("generator") or {}).get("phase_step_deg")
+        return step_deg
+
     def rows(self, rows: NDArray[np.bool_] | NDArray[np.integer[Any]]) -> Self:
         """Return the run with some of its rows.
 

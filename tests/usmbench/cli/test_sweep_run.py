@@ -95,6 +95,7 @@ def test_a_sweep_gives_a_run_folder_as_the_contract_has_it(tmp_path: Path) -> No
     meta = read_meta(tmp_path / "run")
     assert (meta["exit"], meta["seed"], meta["plan"]["name"]) == ("completed", 3, "short")
     assert meta["encoder"]["counts_per_rev"] == 2000
+    assert meta["generator"] == {"phase_step_deg": 360.0 / 4096.0}
     pairs = rows(tmp_path / "run" / "pairs.csv")
     assert [pair["phase_deg"] for pair in pairs] == [-90, -30, 30, 90, 90, 30, -30, -90]
     assert [pair["direction"] for pair in pairs] == [1, 1, 1, 1, -1, -1, -1, -1]

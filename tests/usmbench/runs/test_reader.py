@@ -277,6 +277,7 @@ HEAD = "format: usmbench-run/1\n"
         (HEAD + "encoder:\n  counts_per_rev: many\n", ":3: encoder.counts_per_rev: 'many' is not"),
         (HEAD + "encoder:\n  counts_per_rev: -1\n", ":3: encoder.counts_per_rev: -1 is below"),
         (HEAD + "encoder:\n  counts_per_rev: .nan\n", ":3: encoder.counts_per_rev: nan is not a"),
+        (HEAD + "generator: {phase_step_deg: 0}\n", ":2: generator.phase_step_deg: 0 is below"),
         (HEAD + "encoder: {counts_per_rev: yes}\n", ":2: encoder.counts_per_rev: True is not a"),
         (HEAD + "motor: [1, 2]\n", ":2: motor: [1, 2] is not text or null"),
         (HEAD + "id: {}\n", ":2: id: {} is not text or a whole number or null"),

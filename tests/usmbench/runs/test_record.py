@@ -26,3 +26,12 @@ def test_counts_that_nobody_says_leave_the_count_unknown(encoder: object) -> Non
 
 def test_a_bare_table_leaves_the_count_unknown() -> None:
     assert _measured({}).count_rad is None
+
+
+@pytest.mark.parametrize(
+    ("generator", "step_deg"), [({"phase_step_deg": 0.1}, 0.1), ({}, None), (None, None)]
+)
+def test_a_run_may_say_the_step_of_its_generators_phases(
+    generator: object, step_deg: float | None
+) -> None:
+    assert _measured({"generator": generator}).phase_step_deg == step_deg

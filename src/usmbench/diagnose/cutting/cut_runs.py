@@ -89,6 +89,7 @@ def cut_runs(
                 angle_rad[rows],
                 None if slopes is None else TabledCurve(slopes, points, phase_deg),
                 None if record.count_rad is None else record.count_rad / window_s,
+                record.phase_step_deg,
             )
             measured_rad_s, use = record.speed_rad_s[rows], ~outside[rows]
             at = (points, places_among(model.points, points), warmed)

@@ -119,6 +119,8 @@ class Context:
         None where the model knows one frequency only.
     count_rad_s
         One count in a window; None where the run does not say how many a revolution has.
+    phase_step_deg
+        Step of the phases that the generator sets; None where the run does not say.
     """
 
     t_s: Array
@@ -129,6 +131,7 @@ class Context:
     angle_rad: Array | None = None
     detuning_rad_s: Callable[[Array], Array] | None = None
     count_rad_s: float | None = None
+    phase_step_deg: float | None = None
 
     @property
     def n(self) -> int:
@@ -194,6 +197,16 @@ class Effect(ABC):
     def lookalikes(self) -> "tuple[Effect, ...]":
         """What a model may be off by that looks like it: no causes, and the name yields to them."""
         return ()
+
+    def built_in(self, contexts: Sequence[Context]) -> dict[str, float] | None:
+        """Return the values that a bench is known to have it by; None where it has not.
+
+        Parameters
+        ----------
+        contexts
+            All stretches of the runs that a model was identified on.
+        """
+        return None
 
     def habitual(self, contexts: Sequence[Context]) -> bool:
         """Return whether healthy runs may show it: a bench's habit, or what a curve cannot be.

@@ -91,6 +91,18 @@ class RoundedPhase(Effect):
         tried = np.unique([*_USUAL_DEG, *free[free >= apart_deg]])
         return {"step_deg": tried[tried <= _COARSEST_DEG]}
 
+    def built_in(self, contexts: Sequence[Context]) -> dict[str, float] | None:
+        """Return the generator's own step, where all runs say one and the same.
+
+        Parameters
+        ----------
+        contexts
+            All stretches.
+        """
+        steps = {c.phase_step_deg for c in contexts}
+        step_deg = steps.pop()
+        return None if steps or step_deg is None else {"step_deg": step_deg}
+
     def habitual(self, contexts: Sequence[Context]) -> bool:
         """Return whether there are phases enough to tell the step.
 
