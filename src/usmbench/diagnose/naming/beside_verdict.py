@@ -78,7 +78,8 @@ def unseen_steps(found: Found) -> list[str]:
     problem = found.problem
     largest_rad_s = float(np.max(problem.noise.step_rad_s[0]))
     steps = np.concatenate([np.abs(s.step_rad_s[s.use & (s.lag == 0)]) for s in problem.stretches])
-    if np.mean(steps > FARTHER * largest_rad_s) < _MANY_STEPS:
+    n_larger = np.count_nonzero(steps > FARTHER * largest_rad_s)
+    if n_larger <= _MANY_STEPS * steps.size:
         return []
     return [
         f"steps of up to {steps.max():.3g} rad/s, where the model's runs tell of steps of up to "
