@@ -19,7 +19,7 @@ FOLDS = 5
 _BLOCKS = 40
 _MOST_ROWS = 4000
 _FEWEST_DWELLS, _FEWEST_PHASES = 10, 10
-_LEVELS, _MOST_OF_THEM = 60, 0.9  # phases of a staircase, at most; a reference that glides has more
+LEVELS, _MOST_OF_THEM = 60, 0.9  # phases of a staircase, at most; a reference that glides has more
 _STANDING_SPEED = 0.002  # of the highest: less is standstill
 _AGAIN, _REPEATS = 1.5, 0.005  # dwells a phase; of the highest speed
 _BY_CHANCE = 3.0  # standard errors of a median: less is standstill, too
@@ -94,7 +94,7 @@ def curve_rows(data: Dataset, point: int, rough: Projected) -> CurveRows:
     forget = memory_windows(rough.fit.dynamics.linear_part(None))
     phases, speeds, error_rad_s = _dwell_medians(data, point, forget)
     levels = np.unique(data.phase_deg(point)).size
-    fewest = _MOST_OF_THEM * levels if levels <= _LEVELS else _FEWEST_PHASES
+    fewest = _MOST_OF_THEM * levels if levels <= LEVELS else _FEWEST_PHASES
     if phases.size >= _FEWEST_DWELLS and np.unique(phases).size >= fewest:
         fold, standing = _phase_folds(phases), _standing_deg(phases, speeds, error_rad_s)
         weight, scatter = np.ones(fold.size), _scatter(phases, speeds, error_rad_s)

@@ -7,9 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.identify.bends import bends_of_curve, bends_of_rows, joined
-from usmbench.identify.curve_rows import CurveRows, curve_rows
+from usmbench.identify.curve_rows import LEVELS, CurveRows, block_rows, curve_rows
 from usmbench.identify.data import Dataset
 from usmbench.identify.design import build_design, check_rows
+from usmbench.identify.dynamics import NONE
 from usmbench.identify.jumping_curve import jumping_choice
 from usmbench.identify.knots import place_knots
 from usmbench.identify.projected import Projected
@@ -22,6 +23,7 @@ from usmbench.identify.robust_fit import (
 from usmbench.identify.selection import (
     DEGREES,
     Choice,
+    better,
     choose_curve,
     fitted_curve,
     judge_knots,
@@ -212,8 +214,28 @@ def _settled(
     if options.given_deg is not None:
         return judge_knots(rows, options.given_deg), rows
     degrees, span_deg = _degrees(data, point, options), data.spans_deg[point]
-    smooth = _smooth(rows, degrees, span_deg)
-    return jumping_choice(data, point, rough, (smooth, rows), degrees) or (smooth, rows)
+    smooth = _smooth(rows, degrees, span_deg), rows
+    if rows.dynamics is NONE:
+        smooth = _gliding(block_rows(data, point, rough), smooth, degrees, span_deg) or smooth
+    return jumping_choice(data, point, rough, smooth, degrees) or smooth
+
+
+def _gliding(
+    rows: CurveRows,
+    held: tuple[Choice, CurveRows],
+    degrees: tuple[int, ...],
+    span_deg: tuple[float, float],
+) -> tuple[Choice, CurveRows] | None:
+    """Choose a curve on blocks of the record where it also glides between the dwells.
+
+    A few levels do not tell where a curve bends between them. None where it glides nowhere, or the
+    curve that the dwells chose is as good there.
+    """
+    if np.unique(np.concatenate(rows.phase_deg)).size <= LEVELS:
+        return None
+    gliding, choice = _smooth(rows, degrees, span_deg), held[0]
+    as_it_is = judge_knots(rows, choice.knots_deg, (choice.stiffness,))
+    return (gliding, rows) if better(gliding, as_it_is) else None
 
 
 def _smooth(rows: CurveRows, degrees: tuple[int, ...], span_deg: tuple[float, float]) -> Choice:

@@ -12,17 +12,24 @@ from usmbench.identify.curve_rows import CurveRows
 from usmbench.identify.dynamics import NONE
 from usmbench.identify.fast import identify_fast
 from usmbench.identify.gather import from_windows
-from usmbench.identify.selection import judge_knots
+from usmbench.identify.knots import dead_zone_deg
+from usmbench.identify.selection import fitted_curve, judge_knots
 from usmbench.identify.shape import FastOptions, Shape, rough_fit, settle_shape
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.linear import free_run
 from usmbench.runs.record import Record
 
 
-def _run(kind: str, n: int, window_s: float) -> Record:
-    rng = np.random.default_rng(9)
+def _run(
+    kind: str,
+    n: int,
+    window_s: float,
+    seed: int = 9,
+    given_deg: NDArray[np.float64] | None = None,
+) -> Record:
+    rng = np.random.default_rng(seed)
     motor = motor_of(rng)
-    phase_deg = plan_deg(kind, n, 90.0, rng)
+    phase_deg = plan_deg(kind, n, 90.0, rng) if given_deg is None else given_deg
     speed, _ = speed_rad_s(motor, phase_deg, window_s, Wrong(), rng)
     noisy = speed + 0.02 * rng.standard_normal(n)
     return Record(kind, window_s * np.arange(1.0, n + 1.0), phase_deg, noisy, np.full(n, window_s))
@@ -33,12 +40,34 @@ def _shape(*runs: Record) -> Shape:
     return settle_shape(data, rough_fit(data, data, options), options)
 
 
-@pytest.mark.parametrize("beside", [(), ("multisine",), ("multisine", "triangle")])
-def test_dwells_that_settle_choose_the_curve_whatever_else_was_driven(
-    beside: tuple[str, ...],
+def test_dwells_that_settle_choose_the_curve() -> None:
+    assert _shape(_run("staircase", 1500, 0.01)).rows[0].dynamics is NONE
+
+
+@pytest.mark.parametrize("seed", [9, 12, 17, 20])
+@pytest.mark.parametrize("beside", [("multisine",), ("triangle",), ("multisine", "triangle")])
+def test_what_glides_between_the_dwells_brings_the_curve_nearer(
+    beside: tuple[str, ...], seed: int
 ) -> None:
-    shape = _shape(*(_run(kind, 1500, 0.01) for kind in ("staircase", *beside)))
-    assert shape.rows[0].dynamics is NONE
+    staircase, *others = (_run(kind, 1500, 0.01, seed) for kind in ("staircase", *beside))
+    table_deg = np.linspace(-88.0, 88.0, 1761)
+    true_rad_s = motor_of(np.random.default_rng(seed)).settled_rad_s(table_deg)
+    off_rad_s = []
+    for shape in (_shape(staircase), _shape(staircase, *others)):
+        curve = fitted_curve(shape.rows[0], shape.choices[0])
+        off_rad_s.append(np.sqrt(np.mean((curve.speed_rad_s(table_deg) - true_rad_s) ** 2)))
+    assert off_rad_s[1] < 0.6 * off_rad_s[0]
+
+
+def test_a_glide_chooses_the_curve_between_levels_far_apart() -> None:
+    # Ten levels, none in the dead zone: they do not tell that there is one.
+    levels_deg = np.array([-88.0, -70.0, -50.0, -40.0, -32.0, 32.0, 40.0, 50.0, 70.0, 88.0])
+    held = _run("staircase", 1500, 0.01, given_deg=np.repeat(np.tile(levels_deg, 5), 30))
+    shape = _shape(held, _run("triangle", 1500, 0.01))
+    assert shape.rows[0].dynamics is not NONE
+    assert dead_zone_deg(fitted_curve(shape.rows[0], shape.choices[0])) == pytest.approx(
+        motor_of(np.random.default_rng(9)).edges_deg * np.array([-1.0, 1.0]), abs=1.0
+    )
 
 
 def test_dwells_too_short_to_settle_choose_nothing() -> None:
