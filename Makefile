@@ -5,7 +5,7 @@ BIN    := $(VENV)/bin
 # Two cores are what CI has; BLAS threads on top of our own processes only get in each other's way.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test firmware browser docs lint clean
+.PHONY: demo test firmware browser picture docs lint clean
 
 $(VENV)/.run: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit("usmbench needs Python 3.11 or later; set PYTHON=... to one") if sys.version_info < (3, 11) else None'
@@ -34,6 +34,11 @@ firmware: $(VENV)/.dev
 # The live page is looked at in a browser, wherever one is or can be had.
 browser:
 	@sh tests/chromium.sh || echo "without it the live page is tested without a browser" >&2
+
+# The picture in README, of the demonstration's report.
+picture: demo browser
+	chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1100,1060 \
+	  --screenshot=docs/images/report.png "file://$(CURDIR)/demo/report.html"
 
 # The documentation as a site; its code blocks are run by the tests.
 docs: $(VENV)/.dev
