@@ -21,7 +21,7 @@ from usmbench.diagnose.fitting.gain import Gain, held_out_gain
 from usmbench.diagnose.fitting.intervals import intervals
 from usmbench.diagnose.fitting.wave_sizes import wave_sizes
 from usmbench.diagnose.naming.began_warm import WarmStart, warm_warnings
-from usmbench.diagnose.naming.beside_verdict import left_aside, unmeasured, unseen_steps
+from usmbench.diagnose.naming.beside_verdict import said_beside
 from usmbench.diagnose.naming.detectable import smallest_sizes
 from usmbench.diagnose.naming.found import (
     Found,
@@ -187,8 +187,7 @@ def _warnings(held: _Held) -> Iterator[str]:
     """Yield what the user ought to know beside the verdict."""
     found = held.found
     yield from unknown_moments(found.problem.stretches)
-    yield from unmeasured(found)
-    yield from unseen_steps(found)
+    yield from said_beside(found, held.verdict)
     if held.sporadic is not None:
         yield (
             f"no simulation foresees which windows {held.sporadic.named.name} strikes: "
@@ -196,8 +195,6 @@ def _warnings(held: _Held) -> Iterator[str]:
         )
     else:
         yield from left_unnamed(found.problem, found.fit.effects, found.spread)
-    if held.verdict == "no_discrepancy":
-        yield from left_aside(found)
     yield from warm_warnings(found.problem.known.began_warm)
     wander = found.problem.known.wander
     if wander.knows_warming:

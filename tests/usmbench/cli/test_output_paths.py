@@ -7,17 +7,6 @@ import pytest
 from usmbench.cli.main import main
 
 
-@pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Return a run that no command can read: what is told of an output is told before."""
-    monkeypatch.chdir(tmp_path)
-    folder = Path("run")
-    folder.mkdir()
-    for name in ("run.yaml", "windows.csv", "pairs.csv"):
-        (folder / name).write_text("measured")
-    return folder
-
-
 @pytest.mark.parametrize(
     "words",
     [
@@ -40,7 +29,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     ],
 )
 def test_an_output_is_looked_at_before_the_work(
-    run: Path, words: list[str], capsys: pytest.CaptureFixture[str]
+    unread_run: Path, words: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     for file, why in (
         ("run/windows.csv", "is part of the run run; name another file"),
@@ -51,14 +40,14 @@ def test_an_output_is_looked_at_before_the_work(
         assert said.out == ""
         assert said.err.startswith(f"usmbench: {file}: {why}")
         assert said.err.count("\n") == 1
-    assert (run / "windows.csv").read_text() == "measured"
+    assert (unread_run / "windows.csv").read_text() == "measured"
 
 
 @pytest.mark.parametrize(
     "words", [["show", "run"], ["compare", "run", "run"], ["replay", "run", "--model", "m.yaml"]]
 )
 def test_a_plot_of_no_format_is_refused_before_the_work(
-    run: Path, words: list[str], capsys: pytest.CaptureFixture[str]
+    unread_run: Path, words: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main([*words, "--plot", "x.foo"]) == 2
     said = capsys.readouterr().err
@@ -66,14 +55,14 @@ def test_a_plot_of_no_format_is_refused_before_the_work(
 
 
 def test_one_file_is_no_place_for_two_outputs(
-    run: Path, capsys: pytest.CaptureFixture[str]
+    unread_run: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     words = ["diagnose", "run", "--model", "m.yaml", "--out", "x", "--report", "x", "--json", "x"]
     assert main(words) == 2
     assert "usmbench: x: is named by --out and by --json;" in capsys.readouterr().err
 
 
-def test_an_input_is_not_written_over(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_input_is_not_written_over(unread_run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     Path("m.yaml").write_text("model")
     assert main(["diagnose", "run", "--model", "m.yaml", "--out", "m.yaml"]) == 2
     assert "m.yaml: is what this command reads; name another" in capsys.readouterr().err

@@ -44,19 +44,22 @@ def test_dwells_that_settle_choose_the_curve() -> None:
     assert _shape(_run("staircase", 1500, 0.01)).rows[0].dynamics is NONE
 
 
-@pytest.mark.parametrize("seed", [9, 12, 17, 20])
 @pytest.mark.parametrize("beside", [("multisine",), ("triangle",), ("multisine", "triangle")])
 def test_what_glides_between_the_dwells_brings_the_curve_nearer(
-    beside: tuple[str, ...], seed: int
+    beside: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    staircase, *others = (_run(kind, 1500, 0.01, seed) for kind in ("staircase", *beside))
-    table_deg = np.linspace(-88.0, 88.0, 1761)
-    true_rad_s = motor_of(np.random.default_rng(seed)).settled_rad_s(table_deg)
-    off_rad_s = []
-    for shape in (_shape(staircase), _shape(staircase, *others)):
-        curve = fitted_curve(shape.rows[0], shape.choices[0])
-        off_rad_s.append(np.sqrt(np.mean((curve.speed_rad_s(table_deg) - true_rad_s) ** 2)))
-    assert off_rad_s[1] < 0.6 * off_rad_s[0]
+    def off_rad_s(seed: int) -> float:
+        shape = _shape(*(_run(kind, 1500, 0.01, seed) for kind in ("staircase", *beside)))
+        table_deg = np.linspace(-88.0, 88.0, 1761)
+        found = fitted_curve(shape.rows[0], shape.choices[0]).speed_rad_s(table_deg)
+        true_rad_s = motor_of(np.random.default_rng(seed)).settled_rad_s(table_deg)
+        return float(np.sqrt(np.mean((found - true_rad_s) ** 2)))
+
+    glided = np.array([off_rad_s(seed) for seed in range(8)])
+    monkeypatch.setattr("usmbench.identify.shape._gliding", lambda *_: None)
+    share = glided / [off_rad_s(seed) for seed in range(8)]
+    assert np.max(share) < 1.05
+    assert np.exp(np.mean(np.log(share))) < 0.8
 
 
 def test_a_glide_chooses_the_curve_between_levels_far_apart() -> None:

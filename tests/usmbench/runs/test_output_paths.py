@@ -10,35 +10,25 @@ from usmbench.errors import InputError
 from usmbench.runs.output_paths import check_outputs
 
 
-@pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    folder = Path("run")
-    folder.mkdir()
-    for name in ("run.yaml", "windows.csv", "pairs.csv"):
-        (folder / name).write_text("measured")
-    return folder
-
-
 @pytest.mark.parametrize("name", ["run.yaml", "windows.csv", "pairs.csv", "raw.h5"])
 @pytest.mark.parametrize("folder", ["run", "run/../run", "link"])
-def test_a_file_of_a_run_is_refused(run: Path, folder: str, name: str) -> None:
-    Path("link").symlink_to(run)
+def test_a_file_of_a_run_is_refused(unread_run: Path, folder: str, name: str) -> None:
+    Path("link").symlink_to(unread_run)
     with pytest.raises(InputError, match=f"{name}: is part of the run {folder}; name another file"):
         check_outputs({"--json": f"{folder}/{name}"})
 
 
-def test_what_is_read_is_not_written(run: Path) -> None:
+def test_what_is_read_is_not_written(unread_run: Path) -> None:
     bare = Path("bare.csv")
     bare.write_text("measured")
     bare.with_name("link.csv").symlink_to(bare)
     bare.with_name("hard.csv").hardlink_to(bare)
     for name in ("bare.csv", "link.csv", "hard.csv"):
         with pytest.raises(InputError, match=f"{name}: is what this command reads; name another"):
-            check_outputs({"--out": Path(name)}, [run, None, bare])
+            check_outputs({"--out": Path(name)}, [unread_run, None, bare])
 
 
-def test_a_file_takes_one_output(run: Path) -> None:
+def test_a_file_takes_one_output(unread_run: Path) -> None:
     with pytest.raises(InputError, match=r"x: is named by --out and by --json; name a file for"):
         check_outputs({"--out": Path("x"), "--report": None, "--json": "run/../x"})
 
@@ -52,12 +42,16 @@ def test_a_file_takes_one_output(run: Path) -> None:
         ("x" * 300, r"cannot be written .*; give a shorter name"),
     ],
 )
-def test_what_cannot_be_written_is_told_before_the_work(run: Path, name: str, message: str) -> None:
+def test_what_cannot_be_written_is_told_before_the_work(
+    unread_run: Path, name: str, message: str
+) -> None:
     with pytest.raises(InputError, match=message):
         check_outputs({"--out": name})
 
 
-def test_a_folder_that_takes_no_file_is_told(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_folder_that_takes_no_file_is_told(
+    unread_run: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def refuse(dir: Path) -> None:  # noqa: A002 - its name there
         raise OSError(errno.EROFS, "Read-only file system", str(dir))
 
@@ -66,10 +60,16 @@ def test_a_folder_that_takes_no_file_is_told(run: Path, monkeypatch: pytest.Monk
         check_outputs({"--out": "x"})
 
 
-def test_what_costs_nothing_is_taken(run: Path) -> None:
+def test_what_costs_nothing_is_taken(unread_run: Path) -> None:
     Path("old.yaml").write_text("an older model")
     Path("windows.csv").write_text("of no run")
     names = ["old.yaml", "windows.csv", "run/model.yaml", "-", "/dev/null", None]
-    check_outputs({f"--{number}": name for number, name in enumerate(names)}, [run, "phase-sweep"])
+    check_outputs(
+        {f"--{number}": name for number, name in enumerate(names)}, [unread_run, "phase-sweep"]
+    )
     check_outputs({"--json": "/dev/null", "--report": "/dev/null"})
-    assert sorted(entry.name for entry in run.iterdir()) == ["pairs.csv", "run.yaml", "windows.csv"]
+    assert sorted(entry.name for entry in unread_run.iterdir()) == [
+        "pairs.csv",
+        "run.yaml",
+        "windows.csv",
+    ]

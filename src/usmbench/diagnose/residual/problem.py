@@ -13,11 +13,11 @@ from usmbench.diagnose.noise.chance_scatter import chance_scatter_rad_s
 from usmbench.diagnose.noise.noise_model import Noise
 from usmbench.diagnose.noise.whitening import memory_rows
 from usmbench.diagnose.residual.covariance import Covariance, whitened_by
-from usmbench.diagnose.residual.expected import expected_as_counted
 from usmbench.diagnose.residual.form import ROUGHLY, off_in_form
 from usmbench.diagnose.residual.free_runs import FreeRuns
+from usmbench.diagnose.residual.shown_motor import counters_of, expected_as_counted, shown_by
 from usmbench.model.effects.base import PHYSICS
-from usmbench.model.extended import Applied, at_shaft_angle, through
+from usmbench.model.extended import Applied, at_shaft_angle
 
 Array = NDArray[np.float64]
 
@@ -145,33 +145,14 @@ class Problem:
             The effects.
         """
         changes = self.change_rad_s(effects)
-        smooth = [a for a in effects if not a.effect.jagged]
-        shown = []
-        for stretch, change in zip(self.stretches, changes, strict=True):
-            context = stretch.context
-            phase_deg = through(smooth, "command", context.phase_deg, context)
-            shown.append(
-                replace(
-                    stretch,
-                    simulated_rad_s=stretch.simulated_rad_s + change,
-                    context=replace(context, phase_deg=phase_deg),
-                )
-            )
-        return self._leaving(shown, self._expected_of(effects))
-
-    def _expected_of(self, effects: Sequence[Applied]) -> list[Array] | None:
-        """Return what counters report of what a model leaves at the shaft; None without one.
-
-        What one takes by chance beyond a knee is left out: small errors decide there who is beyond.
-        """
-        counters = [a for a in effects if a.effect.stage == "counter" and not a.effect.by_chance]
+        shown = [shown_by(s, c, effects) for s, c in zip(self.stretches, changes, strict=True)]
+        counters = counters_of(effects)
         if not counters:
-            return None
-        changes = self.change_rad_s([a for a in effects if a not in counters])
-        return [
-            expected_as_counted(self.known, s, change, counters)
-            for s, change in zip(self.stretches, changes, strict=True)
-        ]
+            return self._leaving(shown)
+        shaft = self.change_rad_s([a for a in effects if a not in counters])
+        parts = zip(self.stretches, shaft, strict=True)
+        expected = [expected_as_counted(self.known, s, c, counters) for s, c in parts]
+        return self._leaving(shown, expected)
 
     def turned(self, effects: Sequence[Applied]) -> "Problem":
         """Return the same problem with the angle that the shaft has where effects lose counts.

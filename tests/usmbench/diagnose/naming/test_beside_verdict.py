@@ -7,7 +7,7 @@ import pytest
 
 from known_motor import applied, judged
 from usmbench.diagnose.fitting.fit import Fit
-from usmbench.diagnose.naming.beside_verdict import left_aside, unseen_steps
+from usmbench.diagnose.naming.beside_verdict import said_beside
 from usmbench.diagnose.naming.found import Found, verdict_on
 from usmbench.diagnose.naming.ranking import Ranked
 from usmbench.diagnose.residual.whole import Whole
@@ -21,7 +21,7 @@ def test_what_is_beyond_chance_in_one_place_is_said(p_value: float, warns: bool)
     quiet = Whole(0.0, 1.0, problem.n_rows)
     found = Found(problem, 1.0, ranked, [], Fit((), 0.0, 0.0), quiet, quiet)
     assert verdict_on(found, None) == "no_discrepancy"
-    warnings = left_aside(found)
+    warnings = list(said_beside(found, "no_discrepancy"))
     assert len(warnings) == warns
     assert all(
         w.startswith("load_torque explains") and "drive the plan again" in w for w in warnings
@@ -37,6 +37,7 @@ def test_steps_larger_than_any_the_model_was_identified_on_are_said(
     sizes = np.full_like(problem.noise.step_rad_s, share * step_rad_s)
     problem.noise = replace(problem.noise, step_rad_s=sizes)
     quiet = Whole(0.0, 1.0, problem.n_rows)
-    warnings = unseen_steps(Found(problem, 1.0, [], [], Fit((), 0.0, 0.0), quiet, quiet))
+    found = Found(problem, 1.0, [], [], Fit((), 0.0, 0.0), quiet, quiet)
+    warnings = list(said_beside(found, "unexplained"))
     assert len(warnings) == warns
     assert all("identify it on a run with such steps as well" in w for w in warnings)
