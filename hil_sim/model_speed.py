@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.errors import InputError
+from usmbench.model.driving import driving
 from usmbench.model.effects.base import Context
 from usmbench.model.extended import applied_effects, extended_run, through
 from usmbench.model.hammerstein import HammersteinModel
@@ -114,6 +115,7 @@ class ModelSpeed:
             settled_speed(self._model.points, weights),
             self._model.linear,
             detuning_rad_s=mixed_slope(self._slopes, weights),
+            driving=driving(t_s, self.window_s, driven > 0.0),
         )
         shaft = [a for a in self._effects if a.effect.stage != "counter"]
         motion = extended_run(shaft, context).speed_rad_s

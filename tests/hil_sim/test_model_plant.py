@@ -158,3 +158,24 @@ def test_the_command_starts_the_motor_of_a_model_file(tmp_path: Path) -> None:
     assert isinstance(build_plant([], 0, tmp_path / "model.yaml"), ModelPlant)
     with start_testbed(["--model", str(tmp_path / "model.yaml")]) as testbed:
         testbed.set_load(0.1)
+
+
+@pytest.mark.parametrize("off_s", [0.3, 2.0])
+def test_a_motor_that_drifts_cools_while_the_drive_is_off(off_s: float) -> None:
+    """It starts again faster than it went off, by as much as it has cooled."""
+    lost, warm_up_s = 0.5, 2.0
+    drift = effect("thermal_drift", "speed", "settled", final_drift=-lost, warm_up_s=warm_up_s)
+    motor = hammerstein(drift)
+    plant, cold_rad_s = ModelPlant(motor), motor.points[0].curve.speed_rad_s(np.array([60.0]))[0]
+    speeds = []
+    for time_s, drive in ((0.0, ON), (4.0, replace(ON, amplitude_a=0.0, amplitude_b=0.0))):
+        plant.drive(time_s, drive)
+        plant.sample(round((4.0 if time_s == 0.0 else off_s) * RATE_HZ), RATE_HZ)
+    plant.drive(4.0 + off_s, ON)
+    for _ in range(2):
+        counts = plant.sample(round(0.2 * RATE_HZ), RATE_HZ).position
+        speeds.append((counts[-1] - counts[-10_000]) * COUNT_RAD / 0.1)
+    warm = -np.expm1(-4.0 / warm_up_s) * np.exp(-off_s / warm_up_s)
+    for k, speed_rad_s in enumerate(speeds):
+        warmed = 1.0 - (1.0 - warm) * np.exp(-(0.15 + 0.2 * k) / warm_up_s)
+        assert speed_rad_s == pytest.approx(cold_rad_s * (1.0 - lost * warmed), rel=0.02)

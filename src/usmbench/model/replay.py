@@ -1,11 +1,13 @@
 """A run's commands through a model, free-running, beside what was measured."""
 
+from collections.abc import Iterator
 from dataclasses import astuple, dataclass
 from typing import Any
 
 import numpy as np
 
 from usmbench.errors import InputError
+from usmbench.model.driving import driving_of, stops
 from usmbench.model.effects.base import middle_rad
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.same_windows import check_windows
@@ -65,8 +67,9 @@ def replay_record(record: Record, model: HammersteinModel) -> Replay:
     """
     check_numbers(record)
     warnings = [*changed_since_closed([record]), *_check_windows(record, model)]
-    # A motor that has cooled meanwhile is at rest as well.
-    parts = [_simulated(part, model) for part in cold_starts(record, 1)]
+    parts = [
+        simulation for part in cold_starts(record, 1) for simulation in _simulated(part, model)
+    ]
     simulation = Simulation(*map(np.concatenate, zip(*map(astuple, parts), strict=True)))
     inside = simulation.inside
     if not np.any(inside):
@@ -90,17 +93,22 @@ def replay_record(record: Record, model: HammersteinModel) -> Replay:
     )
 
 
-def _simulated(record: Record, model: HammersteinModel) -> Simulation:
-    """Run the model free over a run's commands."""
-    return simulate(
-        model,
-        record.phase_deg,
-        record.frequency_hz,
-        record.torque_nm,
-        measured_rad_s=record.speed_rad_s,
-        t_s=record.t_s,
-        angle_rad=middle_angle_rad(record),
-    )
+def _simulated(record: Record, model: HammersteinModel) -> Iterator[Simulation]:
+    """Run the model free over a run's commands, anew after each pause: it does not turn on."""
+    angle_rad, driving = middle_angle_rad(record), driving_of(record)
+    paused = stops(record.t_s, float(np.median(record.window_s)), record.driven)
+    for rows in np.split(np.arange(record.t_s.size), paused):
+        part = record.rows(rows)
+        yield simulate(
+            model,
+            part.phase_deg,
+            part.frequency_hz,
+            part.torque_nm,
+            measured_rad_s=part.speed_rad_s,
+            t_s=part.t_s,
+            angle_rad=angle_rad[rows],
+            driving=driving,
+        )
 
 
 def middle_angle_rad(record: Record) -> Column:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.errors import InputError
+from usmbench.model.driving import ALWAYS, Driving
 from usmbench.model.effects.base import Context
 from usmbench.model.extended import extended_run, foreseen_effects
 from usmbench.model.hammerstein import HammersteinModel
@@ -51,6 +52,7 @@ def simulate(
     measured_rad_s: Array | None = None,
     t_s: Array | None = None,
     angle_rad: Array | None = None,
+    driving: Driving = ALWAYS,
 ) -> Simulation:
     """Run a model free over a sequence of commands.
 
@@ -72,6 +74,8 @@ def simulate(
     angle_rad
         Shaft angle at the middle of each window, shape (N,), for effects that follow the angle;
         None lets the simulation turn its own shaft.
+    driving
+        When in the run the motor is driven, for effects that change as it warms.
 
     Returns
     -------
@@ -100,6 +104,7 @@ def simulate(
         model.linear,
         angle_rad,
         detuning_rad_s=mixed_slope(point_slopes(model.points), weights),
+        driving=driving,
     )
     run = extended_run(foreseen_effects(model.effects), context, measured_rad_s)
     outside_phase = beyond_range(model.points, weights, phase_deg)

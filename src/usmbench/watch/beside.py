@@ -1,6 +1,8 @@
 """The simulation beside the rows as they come, and its curve and band."""
 
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass, field, fields, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +11,8 @@ from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.operating_points import point_weights
 from usmbench.model.same_windows import check_windows
 from usmbench.model.simulate import simulate
+from usmbench.runs.pauses import COOLED_S
+from usmbench.watch.driven_so_far import DrivenSoFar
 
 Array = NDArray[np.float64]
 
@@ -27,7 +31,7 @@ class Rows:
     ----------
     t_s, phase_deg, speed_rad_s
         End, commanded phase and measured speed of each window.
-    frequency_hz, torque_nm, angle_rad
+    frequency_hz, torque_nm, angle_rad, drive_on
         As in the run folder; NaN where the run does not say.
     """
 
@@ -37,6 +41,28 @@ class Rows:
     frequency_hz: Array
     torque_nm: Array
     angle_rad: Array
+    drive_on: Array
+
+    def part(self, rows: slice) -> "Rows":
+        """Return some of the rows.
+
+        Parameters
+        ----------
+        rows
+            Which.
+        """
+        return Rows(**{own.name: getattr(self, own.name)[rows] for own in fields(self)})
+
+    def before(self, later: "Rows") -> "Rows":
+        """Return these rows and those that follow on them.
+
+        Parameters
+        ----------
+        later
+            The rows that follow.
+        """
+        names = [own.name for own in fields(self)]
+        return Rows(**{name: np.r_[getattr(self, name), getattr(later, name)] for name in names})
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +106,10 @@ class SimulationBeside:
         check_windows(name, window_s, model.linear)
         self._model = model
         self._window_s = window_s
-        self._lead: list[Array] | None = None
+        self._lead: Rows | None = None
+        self._last_s: float | None = None
+        self._cold_s = 0.0
+        self._driven = DrivenSoFar(window_s)
 
     def simulate(self, rows: Rows) -> Array:
         """Return the simulated speed of the rows that follow on those before.
@@ -95,31 +124,41 @@ class SimulationBeside:
         ndarray
             Simulated speed in rad/s, shape (n,); NaN outside the model's range.
         """
-        new = [
-            rows.t_s,
-            rows.phase_deg,
-            rows.speed_rad_s,
-            rows.frequency_hz,
-            rows.torque_nm,
-            rows.angle_rad,
-        ]
-        joined = new
-        if self._lead is not None:
-            joined = [np.concatenate(both) for both in zip(self._lead, new, strict=True)]
-        self._lead = [column[-LEAD_ROWS:] for column in joined]
-        t_s, phase_deg, speed_rad_s, frequency_hz, torque_nm, angle_rad = joined
-        middle_rad = angle_rad - 0.5 * self._window_s * speed_rad_s
+        before_s = rows.t_s[0] if self._last_s is None else self._last_s
+        self._last_s = float(rows.t_s[-1])
+        cooled = np.flatnonzero(np.diff(rows.t_s, prepend=before_s) >= COOLED_S)
+        speeds: list[Array] = []
+        for cold, part in _parts(rows, cooled):
+            if cold:
+                self._cold_s = float(part.t_s[0]) - self._window_s
+                self._driven, self._lead = DrivenSoFar(self._window_s), None
+            speeds += self._since_cold(replace(part, t_s=part.t_s - self._cold_s))
+        return np.concatenate(speeds)
+
+    def _since_cold(self, rows: Rows) -> Iterator[Array]:
+        """Yield the simulated speeds, from pause to pause."""
+        for stood, part in _parts(rows, self._driven.add(rows.t_s, rows.drive_on)):
+            if stood:  # it does not turn on
+                self._lead = None
+            yield self._go_on(part)
+
+    def _go_on(self, rows: Rows) -> Array:
+        """Return the simulated speed of rows without a pause among them."""
+        joined = rows if self._lead is None else self._lead.before(rows)
+        self._lead = joined.part(slice(-LEAD_ROWS, None))
+        middle_rad = joined.angle_rad - 0.5 * self._window_s * joined.speed_rad_s
         simulation = simulate(
             self._model,
-            phase_deg,
-            _known(frequency_hz),
-            _known(torque_nm),
-            measured_rad_s=speed_rad_s,
-            t_s=t_s,
+            joined.phase_deg,
+            _known(joined.frequency_hz),
+            _known(joined.torque_nm),
+            measured_rad_s=joined.speed_rad_s,
+            t_s=joined.t_s,
             angle_rad=_known(middle_rad),
+            driving=self._driven.driving,
         )
         speeds = np.where(simulation.inside, simulation.speed_rad_s, np.nan)
-        return speeds[-len(rows.t_s) :]
+        return speeds[-rows.t_s.size :]
 
     def curve(self, frequency_hz: float, torque_nm: float) -> Curve:
         """Return the static curve at an operating point.
@@ -143,6 +182,13 @@ class SimulationBeside:
             for point, weight in zip(points, weights, strict=True)
         )
         return Curve(phase_deg[inside], simulation.settled_rad_s[inside], _TWO_SIDED * noise_rad_s)
+
+
+def _parts(rows: Rows, starts: NDArray[np.intp]) -> Iterator[tuple[bool, Rows]]:
+    """Yield rows cut before some of them, and whether each part begins with one of these."""
+    cuts = np.unique([0, *starts, rows.t_s.size])
+    for first, end in pairwise(cuts.tolist()):
+        yield bool(np.isin(first, starts)), rows.part(slice(first, end))
 
 
 def _known(column: Array) -> Array | None:

@@ -1,6 +1,7 @@
 """Runs cut into unbroken stretches."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,9 +11,10 @@ from usmbench.diagnose.cutting.check_runs import (
     check_outside,
     check_run,
 )
+from usmbench.diagnose.cutting.heating import heating
 from usmbench.diagnose.cutting.stretches import Mask, Stretch, came_from
 from usmbench.diagnose.cutting.tabled_curve import NODES_DEG, TabledCurve
-from usmbench.diagnose.cutting.warmth import warmth
+from usmbench.model.driving import driving_of
 from usmbench.model.effects.base import Context
 from usmbench.model.extended import Applied, extended_run
 from usmbench.model.hammerstein import HammersteinModel
@@ -77,8 +79,8 @@ def cut_runs(
         outside |= beyond_range(model.points, weights, record.phase_deg)
         check_outside(record, outside, warnings)
         window_s = float(np.median(record.window_s))
-        warm = warmth(record.t_s, window_s, _powers(record, weights, speeds), pieces[run])
-        for rows, warmed in zip(pieces[run], warm, strict=True):
+        warm, driven = heating(record, weights, speeds, pieces[run]), driving_of(record)
+        for rows, (warmed, unsure) in zip(pieces[run], warm, strict=True):
             phase_deg, points = record.phase_deg[rows], tuple(w[rows] for w in weights)
             context = Context(
                 record.t_s[rows],
@@ -90,10 +92,12 @@ def cut_runs(
                 None if slopes is None else TabledCurve(slopes, points, phase_deg),
                 None if record.count_rad is None else record.count_rad / window_s,
                 record.phase_step_deg,
+                driven,
             )
             measured_rad_s, use = record.speed_rad_s[rows], ~outside[rows]
             at = (points, places_among(model.points, points), warmed)
-            stretches.append(_stretch(run, record.name, context, measured_rad_s, effects, use, at))
+            stretch = _stretch(run, record.name, context, measured_rad_s, effects, use, at)
+            stretches.append(replace(stretch, unsure_warmth=unsure))
     check_enough(records, sum(int(np.count_nonzero(s.use)) for s in stretches))
     return stretches, warnings
 
@@ -127,14 +131,6 @@ def _begins(n: int, count: int, size: int, turn: float) -> list[int]:
     gap = max(n - count * size, 0) / max(between, 1)
     inner = size + np.arange(between) * (size + gap) + turn * gap
     return [int(begin) for begin in (0, *inner, n - size)][:count]
-
-
-def _powers(record: Record, weights: Sequence[Array], speeds: Sequence[Array]) -> list[Array]:
-    """Return what may warm the motor, in the order of `Stretch.warmth`, shape (N,) each."""
-    first, last = np.searchsorted(NODES_DEG, (record.phase_deg.min(), record.phase_deg.max()))
-    tops = [float(np.max(np.abs(speed[first : last + 1]))) for speed in speeds]
-    size, highest = np.abs(record.speed_rad_s), np.asarray(tops) @ np.asarray(weights)
-    return [np.ones(size.size), size, highest**2]
 
 
 def _stretch(

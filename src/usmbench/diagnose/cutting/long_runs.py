@@ -7,7 +7,7 @@ from usmbench.diagnose.cutting.warmth import n_constants
 
 
 def lasts_s(stretches: Sequence[Stretch]) -> dict[str, float]:
-    """Return how long each run lasts, by its name.
+    """Return for how long each run drives the motor, by its name.
 
     Parameters
     ----------
@@ -17,8 +17,8 @@ def lasts_s(stretches: Sequence[Stretch]) -> dict[str, float]:
     begins_s: dict[str, float] = {}
     found: dict[str, float] = {}
     for s in stretches:
-        begin_s = begins_s.setdefault(s.name, float(s.context.t_s[0]))
-        found[s.name] = float(s.context.t_s[-1]) - begin_s
+        first_s, last_s = s.context.driving.driven_s(s.context.t_s[[0, -1]]).tolist()
+        found[s.name] = last_s - begins_s.setdefault(s.name, first_s)
     return found
 
 
@@ -38,9 +38,9 @@ def long_warming(stretches: Sequence[Stretch], n_known: int) -> list[str]:
         One warning a run.
     """
     return [
-        f"{name}: {last_s:.0f} s are longer than the runs of the model, so that it does not know "
-        "how the motor warms in the end: what looks like that is no news; identify a model on runs "
-        "as long"
+        f"{name}: driven for {last_s:.0f} s, longer than the runs of the model, so that it does "
+        "not know how the motor warms in the end: what looks like that is no news; identify a "
+        "model on runs as long"
         for name, last_s in lasts_s(stretches).items()
         if n_constants(last_s) > n_known
     ]

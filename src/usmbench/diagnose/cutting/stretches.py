@@ -57,6 +57,9 @@ class Stretch:
     doubt_rad_s
         What the model's own effects may be off by, in columns of one standard deviation, shape
         (N, D); None for a model without effects.
+    unsure_warmth
+        What it may be more or less by, where nobody knows whether the motor was driven in a gap;
+        None without one.
     """
 
     run: int
@@ -76,6 +79,7 @@ class Stretch:
     moment_rad_s: Array | float = 0.0
     scatter_rad_s: Array | float = 0.0
     doubt_rad_s: Array | None = None
+    unsure_warmth: Array | None = None
 
     @property
     def again(self) -> NDArray[np.int64]:

@@ -24,13 +24,17 @@ def n_constants(lasts_s: float) -> int:
     Parameters
     ----------
     lasts_s
-        How long the longest of them lasts.
+        For how long the longest of them drives the motor.
     """
     return min(int(np.searchsorted(TIME_CONSTANTS_S, lasts_s)) + 1, len(TIME_CONSTANTS_S))
 
 
 def warmth(
-    t_s: Array, window_s: float, powers: Sequence[Array], pieces: Sequence[NDArray[np.int64]]
+    t_s: Array,
+    window_s: float,
+    powers: Sequence[Array],
+    in_gaps: Sequence[Array],
+    pieces: Sequence[NDArray[np.int64]],
 ) -> list[Array]:
     """Return what each power has warmed so far, cold at the start of the run.
 
@@ -41,8 +45,9 @@ def warmth(
     window_s
         Length of a window.
     powers
-        Powers in each window, shape (N,) each; those before a gap and after it are taken to have
-        met in it.
+        Powers in each window, shape (N,) each.
+    in_gaps
+        The same in each gap of the time, shape (K,) each.
     pieces
         Rows that are asked for.
 
@@ -54,22 +59,30 @@ def warmth(
     """
     found = [np.empty((len(powers), len(TIME_CONSTANTS_S), rows.size)) for rows in pieces]
     parts = np.split(np.arange(t_s.size), breaks(t_s, window_s))
-    for p, power in enumerate(powers):
+    for p, (power, in_gap) in enumerate(zip(powers, in_gaps, strict=True)):
+        # What comes before the first row is as its power.
+        before = np.r_[power[0], in_gap]
         for k, constant_s in enumerate(TIME_CONSTANTS_S):
-            warm = np.concatenate(list(_through(t_s, window_s, power, constant_s, parts)))
+            responses = _through(t_s, window_s, power, before, constant_s, parts)
+            warm = np.concatenate(list(responses))
             for piece, rows in zip(found, pieces, strict=True):
                 piece[p, k] = warm[rows]
     return found
 
 
 def _through(
-    t_s: Array, window_s: float, power: Array, constant_s: float, parts: Sequence[NDArray[np.int64]]
+    t_s: Array,
+    window_s: float,
+    power: Array,
+    before: Array,
+    constant_s: float,
+    parts: Sequence[NDArray[np.int64]],
 ) -> Iterator[Array]:
     """Yield the response of a first-order lag, a part without a gap each."""
     kept, warm, last_s = np.exp(-window_s / constant_s), 0.0, 0.0
-    for rows in parts:
-        heated, gap_s = power[rows], max(float(t_s[rows[0]]) - window_s - last_s, 0.0)
-        warm = heated[0] + (warm - heated[0]) * np.exp(-gap_s / constant_s)
-        response, _ = lfilter([1.0 - kept], [1.0, -kept], heated, zi=[kept * warm])
+    for rows, in_gap in zip(parts, before, strict=True):
+        gap_s = max(float(t_s[rows[0]]) - window_s - last_s, 0.0)
+        warm = in_gap + (warm - in_gap) * np.exp(-gap_s / constant_s)
+        response, _ = lfilter([1.0 - kept], [1.0, -kept], power[rows], zi=[kept * warm])
         yield response
         warm, last_s = float(response[-1]), float(t_s[rows[-1]])

@@ -15,6 +15,7 @@ from usmbench.diagnose.known.shapes import (
     unheld_rad_s,
     unmeasured_rad_s,
 )
+from usmbench.model.effects.base import longest_s
 
 Array = NDArray[np.float64]
 
@@ -42,7 +43,7 @@ def features_of(stretches: Sequence[Stretch]) -> Features:
     return Features(
         nodes_deg,
         top_rad_s,
-        n_constants(max(float(s.context.t_s[-1]) for s in stretches)),
+        n_constants(longest_s([s.context for s in stretches])),
         len(stretches[0].points),
         len(stretches[0].places),
         _steepest_rad_s(stretches),

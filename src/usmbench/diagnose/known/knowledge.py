@@ -19,7 +19,11 @@ from usmbench.diagnose.known.between_nodes import between_nodes, deviations_rad_
 from usmbench.diagnose.known.departures import departures, unwatched_warming
 from usmbench.diagnose.known.features import Features
 from usmbench.diagnose.known.wander import Wander
-from usmbench.diagnose.known.warm_start_shapes import warm_root, warm_shapes
+from usmbench.diagnose.known.warm_start_shapes import (
+    unsure_in_gaps,
+    warm_root,
+    warm_shapes,
+)
 from usmbench.diagnose.noise.noise_model import Noise
 from usmbench.model.extended import Applied, applied_effects
 
@@ -110,7 +114,8 @@ class Knowledge:
         if self.wander.knows_warming:
             n_lasting = n_constants(max(lasts_s(stretches).values()))
         found = []
-        for s in stretches:
+        in_gaps = unsure_in_gaps(stretches, self.features, self.mean)
+        for s, gaps in zip(stretches, in_gaps, strict=True):
             none = np.empty((s.context.n, 0))
             shapes = np.column_stack([none, *compress(self.features.columns(s), shaped)])
             own = self._own(s, habits)
@@ -118,7 +123,7 @@ class Knowledge:
             doubt = none if s.doubt_rad_s is None else s.doubt_rad_s
             further = unwatched_warming(s, n_known, n_lasting)
             apart = (own * (s.run == r) for r in runs)
-            found.append(np.column_stack([shapes, between, doubt, further, *apart]))
+            found.append(np.column_stack([shapes, between, doubt, further, gaps, *apart]))
         wanders = block_diag(*[self._own_root] * len(runs))
         known = self.root[np.ix_(shaped, ways)]
         unsure = np.eye(found[0].shape[1] - known.shape[0] - wanders.shape[0])

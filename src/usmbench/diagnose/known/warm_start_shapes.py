@@ -1,5 +1,6 @@
-"""What a run shows whose motor is warm at its start, where those of its model began cold."""
+"""What a run shows whose motor is warm at its start, or after a gap, and nobody knows how warm."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import compress
 
@@ -58,9 +59,42 @@ def warm_shapes(stretch: Stretch, features: Features) -> Array:
     """
     powers = np.array((1.0, _SPEED * features.top_rad_s, features.top_rad_s**2))
     fades = np.exp(-stretch.context.t_s / np.array(TIME_CONSTANTS_S)[:, None])
-    before = replace(stretch, warmth=np.multiply.outer(powers, fades))
+    return _as_warm(stretch, features, np.multiply.outer(powers, fades))
+
+
+def _as_warm(stretch: Stretch, features: Features, warmth: Array) -> Array:
+    """Return the shapes of warming, of a motor that is as warm, shape (N, H)."""
     warms = features.warms_at[np.isin(features.groups, WARMING)] >= 0
-    return np.column_stack(list(compress(features.warming(before), warms)))
+    warm = replace(stretch, warmth=warmth)
+    return np.column_stack(list(compress(features.warming(warm), warms)))
+
+
+def unsure_in_gaps(
+    stretches: Sequence[Stretch], features: Features, left: Array
+) -> Iterator[Array]:
+    """Yield what each stretch may be off by for gaps in which the motor may have been driven.
+
+    Parameters
+    ----------
+    stretches
+        The stretches.
+    features
+        The model's shapes.
+    left
+        How much of each it is known to leave, shape (K,).
+
+    Yields
+    ------
+    Array
+        One column a run with such gaps, of one standard deviation, in rad/s, shape (N, G).
+    """
+    runs = sorted({s.run for s in stretches if s.unsure_warmth is not None})
+    warms = features.warms_at >= 0
+    for s in stretches:
+        off_rad_s = np.zeros(s.context.n)
+        if s.unsure_warmth is not None:
+            off_rad_s = _as_warm(s, features, s.unsure_warmth) @ left[warms]
+        yield np.outer(off_rad_s, [s.run == run for run in runs])
 
 
 def warm_means(features: Features, left: Array) -> Array:

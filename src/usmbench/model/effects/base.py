@@ -22,6 +22,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from usmbench.model.driving import ALWAYS, Driving
 from usmbench.model.hammerstein import LinearPart
 
 Array = NDArray[np.float64]
@@ -121,6 +122,8 @@ class Context:
         One count in a window; None where the run does not say how many a revolution has.
     phase_step_deg
         Step of the phases that the generator sets; None where the run does not say.
+    driving
+        When in the run the motor was driven, and warmed.
     """
 
     t_s: Array
@@ -132,11 +135,22 @@ class Context:
     detuning_rad_s: Callable[[Array], Array] | None = None
     count_rad_s: float | None = None
     phase_step_deg: float | None = None
+    driving: Driving = ALWAYS
 
     @property
     def n(self) -> int:
         """Number of windows."""
         return self.t_s.size
+
+    def warmed(self, constant_s: float) -> Array:
+        """Return how warm the run has made the motor, as a share of the most, shape (N,).
+
+        Parameters
+        ----------
+        constant_s
+            Time constant of the warming.
+        """
+        return self.driving.warmed(self.t_s, constant_s)
 
 
 class Effect(ABC):
@@ -278,14 +292,14 @@ class DynamicsEffect(Effect):
 
 
 def longest_s(contexts: Sequence[Context]) -> float:
-    """Return the time from the start of a run to the end of its last window, in seconds.
+    """Return for how long the longest run drives the motor, in seconds.
 
     Parameters
     ----------
     contexts
         Stretches, at least one.
     """
-    return max(float(context.t_s[-1]) for context in contexts)
+    return max(float(c.driving.driven_s(c.t_s[-1:])[0]) for c in contexts)
 
 
 def middle_rad(speed_rad_s: Array, window_s: Array | float) -> Array:

@@ -31,7 +31,7 @@ class ThermalDrift(Effect):
     """v′ = v (1 + d (1 − exp(−t/τ))): the resonance moves away under a fixed drive frequency.
 
     The first-order warm-up of a lumped heat capacity; for τ far beyond the run it is a straight
-    line in time.
+    line in time. Where the drive is off it cools again.
     """
 
     name = "thermal_drift"
@@ -49,7 +49,7 @@ class ThermalDrift(Effect):
         signal, context, values
             As in `Effect.apply`.
         """
-        warmed = -np.expm1(-context.t_s / values["warm_up_s"])
+        warmed = context.warmed(values["warm_up_s"])
         return signal * np.maximum(1.0 + values["final_drift"] * warmed, 0.0)
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
@@ -92,7 +92,7 @@ class DriftingFriction(WithoutResonance, ThermalDrift):
         signal, context, values
             As in `Effect.apply`.
         """
-        warmed = -np.expm1(-context.t_s / values["warm_up_s"])
+        warmed = context.warmed(values["warm_up_s"])
         lost, held_rad_s = -values["final_drift"], values["final_held_back_rad_s"]
         return weaker(signal, context, lost * warmed, held_rad_s * warmed)
 
@@ -123,7 +123,7 @@ class DriftingResonance(ThermalDrift, AlongResonance):
         signal, context, values
             As in `Effect.apply`.
         """
-        warmed = -np.expm1(-context.t_s / values["warm_up_s"])
+        warmed = context.warmed(values["warm_up_s"])
         return detuned(signal, context, -1e-6 * values["final_shift_ppm"] * warmed)
 
 

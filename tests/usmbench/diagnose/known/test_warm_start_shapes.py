@@ -34,7 +34,7 @@ def test_a_run_after_a_drive_shows_the_warm_start_beside_what_it_warms_itself(
     powers = (1.0, 0.5 * top_rad_s, top_rad_s**2)
     t_s = window_s * np.arange(1.0, n_before + n + 1.0)
     (cold, warm) = (
-        warmth(t_s, window_s, [np.full(t_s.size, p) for p in powers], [rows])[0]
+        warmth(t_s, window_s, [np.full(t_s.size, p) for p in powers], [np.empty(0)] * 3, [rows])[0]
         for rows in (np.arange(n), n_before + np.arange(n))
     )
     left = 0.01 * np.random.default_rng(3).standard_normal(len(features.groups))
