@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.errors import InputError
+from usmbench.runs.dwells import directions
 from usmbench.runs.record import Column, Record
 from usmbench.settings.plan import Settle
 from usmbench.sweep.schedule import HOLD_SETTLE, WARM_UP, Dwell
@@ -32,22 +33,22 @@ def recorded_dwells(record: Record, window_s: float) -> list[Dwell]:
     if rows.size == 0:
         raise InputError("no window was driven; there is nothing to replay", file=record.name)
     dwells: list[Dwell] = []
-    direction = 1
-    for stretch in np.split(rows, _changes(record, rows)):
+    stretches = np.split(rows, _changes(record, rows))
+    firsts = np.array([stretch[0] for stretch in stretches])
+    passes = None if record.sweep is None else record.sweep[firsts]
+    ways = directions(record.phase_deg[firsts], passes)
+    for stretch, direction in zip(stretches, ways.tolist(), strict=True):
         first = int(stretch[0])
-        phase_deg = float(record.phase_deg[first])
-        if dwells and phase_deg != dwells[-1].phase_deg:
-            direction = 1 if phase_deg > dwells[-1].phase_deg else -1
         windows = max(1, round(float(record.window_s[stretch].sum()) / window_s))
         sweep = 0 if record.sweep is None else int(record.sweep[first])
         dwells.append(
             Dwell(
                 number=len(dwells) if sweep >= 0 else WARM_UP,
                 sweep=sweep,
-                phase_deg=phase_deg,
+                phase_deg=float(record.phase_deg[first]),
                 frequency_hz=_at(record.frequency_hz, first, DEFAULT_FREQUENCY_HZ),
                 torque_nm=_at(record.torque_nm, first, DEFAULT_TORQUE_NM),
-                direction=direction,
+                direction=int(direction),
                 windows=windows,
                 extend_to_windows=windows,
                 settle=_settle(windows) if sweep >= 0 else None,

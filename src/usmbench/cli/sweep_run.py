@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from usmbench.cli.bench_session import Bench
+from usmbench.cli.same_plan import check_same_plan
 from usmbench.instruments.protocol.messages import Identity
 from usmbench.runs.stop_request import StopSign
 from usmbench.runs.writer import RunWriter
@@ -209,13 +210,15 @@ def sweep_again(
     Raises
     ------
     usmbench.errors.InputError
-        The run is complete, or cannot be continued; nothing has moved.
+        The run is complete, was measured by another plan, or cannot be continued; nothing has
+        moved.
     KeyboardInterrupt
         The user stopped the run; the drive is off and the folder closed.
     usmbench.errors.BenchError
         The bench failed; likewise.
     """
     check_plan(plan, bench.settings, bench.generator.identity)
+    check_same_plan(folder, plan, bench.settings.window_s)
     with deferred_interrupts():
         writer = RunWriter.resume(folder)
         stopped = writer.stopped_at

@@ -38,7 +38,8 @@ def derive_pairs(
     unknown = np.full(len(t_s), np.nan)
     frequency_hz = _or(optional.get("frequency_hz"), unknown)
     torque_nm = _or(optional.get("torque_nm"), unknown)
-    commands = [phase_deg, frequency_hz, torque_nm, _or(optional.get("sweep"), unknown)]
+    sweep = optional.get("sweep")
+    commands = [phase_deg, frequency_hz, torque_nm, _or(sweep, unknown)]
     first = np.zeros(len(t_s), dtype=bool)
     first[0] = True
     for command in commands:
@@ -67,7 +68,7 @@ def derive_pairs(
         speed_rad_s=mean[has_pair],
         speed_std_rad_s=np.sqrt(variance)[has_pair],
         n_windows=n_windows[has_pair],
-        direction=_direction(phase_deg[start])[has_pair],
+        direction=directions(phase_deg[start], None if sweep is None else sweep[start])[has_pair],
         t_s=t_s[start + length - 1][has_pair],
     )
 
@@ -91,8 +92,27 @@ def _or(column: Column | None, otherwise: Column) -> Column:
     return otherwise if column is None else column
 
 
-def _direction(phase_deg: Column) -> Column:
-    """Return +1 where φ rose to its dwell, -1 where it fell; a start or repeat looks beyond."""
+def directions(phase_deg: Column, sweep: Column | None) -> Column:
+    """Return +1 where φ rose to a dwell and -1 where it fell; a pass begins as it goes on.
+
+    Parameters
+    ----------
+    phase_deg
+        Phase of each dwell, in the order driven, shape (D,).
+    sweep
+        Number of its pass, shape (D,), which a warm-up may interrupt; None where nobody knows.
+    """
+    passes = np.zeros(phase_deg.size) if sweep is None else sweep
+    direction = np.ones(phase_deg.size)
+    order = np.argsort(passes, kind="stable")
+    begins = np.flatnonzero(np.diff(passes[order])) + 1
+    for rows in np.split(order, begins):
+        direction[rows] = _in_pass(phase_deg[rows])
+    return direction
+
+
+def _in_pass(phase_deg: Column) -> Column:
+    """Return the directions within a pass; a start or repeat looks beyond."""
     step = np.sign(np.diff(phase_deg, prepend=phase_deg[0]))
     moved = np.flatnonzero(step)
     if not len(moved):

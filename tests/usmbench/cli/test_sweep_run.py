@@ -3,6 +3,7 @@
 import csv
 from collections.abc import Iterable
 from dataclasses import replace
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +12,12 @@ import pytest
 from hil_sim.faults import Fault, FaultKind
 from hil_sim.in_process import InProcessBench
 from usmbench.cli.bench_session import Bench
+from usmbench.cli.recorded_commands import recorded_dwells
 from usmbench.cli.sweep_run import sweep_again, sweep_new
 from usmbench.errors import BenchError, InputError
 from usmbench.instruments.generator import SignalGenerator
 from usmbench.runs.meta import read_meta
+from usmbench.runs.reader import read_run
 from usmbench.runs.stop_request import STOP_FILE, request_stop
 from usmbench.settings.bench import BenchSettings, TemperatureSettings
 from usmbench.settings.plan import Plan
@@ -148,6 +151,40 @@ def test_a_run_taken_up_has_the_dwells_of_one_that_was_never_stopped(
     assert t_s == sorted(set(t_s))
     with pytest.raises(InputError, match="complete"):
         sweep_again(bench_of()[1], plan, parts)
+
+
+@pytest.mark.parametrize("changed", [{"passes": [{"phase_deg": [30, 45]}]}, {"torque_nm": 0.1}])
+def test_a_run_goes_on_by_its_own_plan_only(tmp_path: Path, changed: dict[str, Any]) -> None:
+    """Whoever edits the plan in run.yaml is told so, and the folder stays as it was."""
+    folder, passes = tmp_path / "run", [{"phase_deg": [30, 60, 90]}]
+    with pytest.raises(KeyboardInterrupt):
+        sweep_new(bench_of()[1], plan_of(passes=passes), folder, observer=StopAfter(65))
+    before = {file.name: file.read_bytes() for file in folder.iterdir()}
+    simulated, bench = bench_of()
+    with pytest.raises(InputError, match="put the plan back") as refused:
+        sweep_again(bench, plan_of(**{"passes": passes} | changed), folder)
+    assert "run.yaml" in str(refused.value)
+    assert simulated.source.samples_acquired() == 0
+    assert {file.name: file.read_bytes() for file in folder.iterdir()} == before
+    sweep_again(bench, plan_of(passes=passes), folder)
+
+
+@pytest.mark.parametrize("stop", [40, 70, 90])
+def test_the_commands_of_a_run_that_was_paused_are_those_of_its_plan(
+    tmp_path: Path, stop: int
+) -> None:
+    plan = plan_of(passes=[{"phase_deg": [30, 60, 90], "direction": "both"}])
+    whole, parts = tmp_path / "whole", tmp_path / "parts"
+    sweep_new(bench_of()[1], plan, whole)
+    with pytest.raises(KeyboardInterrupt):
+        sweep_new(bench_of()[1], plan, parts, observer=StopAfter(stop))
+    sweep_again(bench_of()[1], plan, parts)
+    planned = [(phase_deg, way) for _, phase_deg, _, _, way, *_ in dwells(whole)]
+    for folder in (whole, parts):
+        again = recorded_dwells(read_run(folder), SETTINGS.window_s)
+        driven = [(d.phase_deg, float(d.direction)) for d in again if d.number >= 0]
+        # A dwell that was cut short is driven twice.
+        assert [one for one, _ in groupby(driven)] == planned
 
 
 class AskToStop(StopAfter):
