@@ -14,7 +14,7 @@ from usmbench.diagnose.cutting.check_runs import (
 from usmbench.diagnose.cutting.heating import heating
 from usmbench.diagnose.cutting.stretches import Mask, Stretch, came_from
 from usmbench.diagnose.cutting.tabled_curve import NODES_DEG, TabledCurve
-from usmbench.model.driving import driving_of
+from usmbench.model.driving import driving_of, stops
 from usmbench.model.effects.base import Context
 from usmbench.model.extended import Applied, extended_run
 from usmbench.model.hammerstein import HammersteinModel
@@ -31,6 +31,7 @@ from usmbench.runs.time_step import breaks
 Array = NDArray[np.float64]
 
 _LONGEST_START = 50
+_MOST_STARTS = 5  # told apart in a run: more take time, and add up to a scatter
 _MOST_WINDOWS = 40_000  # more add time and memory, and hardly power
 _BLOCK, _LEAST_BLOCK = 1000, 400
 _TURN = 0.618  # of the gap between blocks, from run to run: these fractions spread most evenly
@@ -80,6 +81,7 @@ def cut_runs(
         check_outside(record, outside, warnings)
         window_s = float(np.median(record.window_s))
         warm, driven = heating(record, weights, speeds, pieces[run]), driving_of(record)
+        paused = stops(record.t_s, window_s, record.driven)
         for rows, (warmed, unsure) in zip(pieces[run], warm, strict=True):
             phase_deg, points = record.phase_deg[rows], tuple(w[rows] for w in weights)
             context = Context(
@@ -97,7 +99,8 @@ def cut_runs(
             measured_rad_s, use = record.speed_rad_s[rows], ~outside[rows]
             at = (points, places_among(model.points, points), warmed)
             stretch = _stretch(run, record.name, context, measured_rad_s, effects, use, at)
-            stretches.append(replace(stretch, unsure_warmth=unsure))
+            start = min(int(np.searchsorted(paused, rows[0], side="right")), _MOST_STARTS)
+            stretches.append(replace(stretch, unsure_warmth=unsure, start=start))
     check_enough(records, sum(int(np.count_nonzero(s.use)) for s in stretches))
     return stretches, warnings
 

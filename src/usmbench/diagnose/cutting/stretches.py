@@ -60,6 +60,8 @@ class Stretch:
     unsure_warmth
         What it may be more or less by, where nobody knows whether the motor was driven in a gap;
         None without one.
+    start
+        How often the motor has stood in a pause before: it then starts as on another day.
     """
 
     run: int
@@ -80,6 +82,7 @@ class Stretch:
     scatter_rad_s: Array | float = 0.0
     doubt_rad_s: Array | None = None
     unsure_warmth: Array | None = None
+    start: int = 0
 
     @property
     def again(self) -> NDArray[np.int64]:

@@ -106,7 +106,8 @@ class Knowledge:
             Square root of the coefficients' covariance, shape (S, K): the columns of
             ``shapes @ root`` are differences of one standard deviation.
         """
-        runs, habits = sorted({s.run for s in stretches}), applied_effects(self.habits)
+        # A motor that has stood starts as on another day.
+        starts, habits = sorted({(s.run, s.start) for s in stretches}), applied_effects(self.habits)
         free = self.root != 0.0
         shaped, ways = np.any(free, axis=1), np.any(free, axis=0)
         off_rad_s = deviations_rad_s(self.features, self.mean, self.root)
@@ -122,9 +123,9 @@ class Knowledge:
             between = between_nodes(s, self.features, off_rad_s)
             doubt = none if s.doubt_rad_s is None else s.doubt_rad_s
             further = unwatched_warming(s, n_known, n_lasting)
-            apart = (own * (s.run == r) for r in runs)
+            apart = (own * ((s.run, s.start) == start) for start in starts)
             found.append(np.column_stack([shapes, between, doubt, further, gaps, *apart]))
-        wanders = block_diag(*[self._own_root] * len(runs))
+        wanders = block_diag(*[self._own_root] * len(starts))
         known = self.root[np.ix_(shaped, ways)]
         unsure = np.eye(found[0].shape[1] - known.shape[0] - wanders.shape[0])
         return found, block_diag(known, unsure, wanders)

@@ -91,3 +91,16 @@ def test_it_may_be_off_by_what_either_would_do(seed: int) -> None:
         np.testing.assert_allclose(driven - known.expected_rad_s(s), off[:, 0], atol=1e-9)
     assert not off_rad_s[0].any()
     assert np.max(np.abs(off_rad_s[1])) > 0.01
+
+
+def test_a_motor_that_has_stood_starts_as_on_another_day() -> None:
+    known = known_of(model(0))
+    stretches, _ = cut_beside_own([day(90, 300.0)], model(0))
+    assert [(s.run, s.start) for s in stretches] == [(0, 0), (0, 1)]
+    (_, once), (shapes, twice) = (
+        known.background(given) for given in ([replace(s, start=0) for s in stretches], stretches)
+    )
+    n_own = known.wander.deviations.size
+    assert twice.shape == (once.shape[0] + n_own, once.shape[1] + n_own)
+    assert not shapes[0][:, -n_own:].any()
+    assert not shapes[1][:, -2 * n_own : -n_own].any()
