@@ -17,8 +17,6 @@ from usmbench.runs.dwells import dwell_begin
 
 Array = NDArray[np.float64]
 
-# Far beyond the memory, and few enough that short stretches have both halves; there and back.
-_BLOCK_ROWS, _BLOCK_DWELLS = 25, 2
 _FORGOTTEN = 1e-6
 
 
@@ -35,13 +33,16 @@ class Course:
     changing
         Where a change still acts directly, shape (n,).
     half
-        Which half of the blocks a row belongs to; -1 where the unknown start still counts.
+        Which half of the dwells a row belongs to; -1 where the unknown start still counts.
+    step_rad_s
+        Change of the static curve's output at a row, shape (n,).
     """
 
     settled_rad_s: Array
     speed_rad_s: Array
     changing: NDArray[np.bool_]
     half: NDArray[np.int64]
+    step_rad_s: Array
 
     def beginning(self, share: float) -> "Course":
         """Return a share of the rows.
@@ -51,12 +52,22 @@ class Course:
         share
             From 0 to 1.
         """
-        rows = slice(0, math.ceil(share * self.half.size))
+        return self.at(slice(0, math.ceil(share * self.half.size)))
+
+    def at(self, rows: slice | NDArray[np.bool_]) -> "Course":
+        """Return some of the rows.
+
+        Parameters
+        ----------
+        rows
+            Which.
+        """
         return Course(
             self.settled_rad_s[rows],
             self.speed_rad_s[rows],
             self.changing[rows],
             self.half[rows],
+            self.step_rad_s[rows],
         )
 
 
@@ -72,25 +83,29 @@ def courses_of(stretches: Sequence[Stretch], found: Polished) -> list[Course]:
     """
     courses = []
     memory = memory_windows(found.dynamics.linear_part(None), _FORGOTTEN)
-    for stretch in stretches:
-        rows = np.arange(stretch.speed_rad_s.size)
-        kept = rows - dwell_begin(stretch.phase_deg) <= memory
-        half = np.where(rows > memory, _halves(stretch.phase_deg), -1)
-        settled_rad_s = stretch.basis[kept] @ found.delta[stretch.point]
-        changing = changing_rows(stretch.phase_deg, found.dynamics)
-        courses.append(Course(settled_rad_s, stretch.speed_rad_s[kept], changing[kept], half[kept]))
+    settled = [s.basis @ found.delta[s.point] for s in stretches]
+    steps = [np.diff(rad_s, prepend=rad_s[:1]) for rad_s in settled]
+    halves = _halves([s.phase_deg for s in stretches], steps)
+    for s, settled_rad_s, step_rad_s, half in zip(stretches, settled, steps, halves, strict=True):
+        rows = np.arange(s.speed_rad_s.size)
+        kept = rows - dwell_begin(s.phase_deg) <= memory
+        changing = changing_rows(s.phase_deg, found.dynamics)
+        own = np.where(rows > memory, half, -1)
+        whole = Course(settled_rad_s, s.speed_rad_s, changing, own, step_rad_s)
+        courses.append(whole.at(kept))
     return courses
 
 
-def _halves(phase_deg: Array) -> NDArray[np.int64]:
-    """Return which half of the blocks each row belongs to; a block is some whole dwells.
-
-    Blocks of rows would put every change of phase into one half where two of them are a dwell.
-    """
-    changed = np.diff(phase_deg, prepend=phase_deg[:1]) != 0.0
-    dwell_rows = changed.size / (1 + np.count_nonzero(changed))
-    dwells = max(_BLOCK_DWELLS, math.ceil(_BLOCK_ROWS / dwell_rows))
-    return np.asarray(np.cumsum(changed) // dwells % 2)
+def _halves(phases_deg: Sequence[Array], steps_rad_s: Sequence[Array]) -> list[NDArray[np.int64]]:
+    """Return which half of the dwells each row belongs to: both begin with steps of all sizes."""
+    changed = [np.diff(p_deg, prepend=np.nan) != 0.0 for p_deg in phases_deg]
+    sizes = np.abs(np.concatenate([step[c] for step, c in zip(steps_rad_s, changed, strict=True)]))
+    by_size = np.argsort(-sizes, kind="stable")
+    half_of_dwell = np.empty(sizes.size, dtype=np.int64)
+    half_of_dwell[by_size] = (np.arange(sizes.size) + 1) // 2 % 2  # the largest, two, two ...
+    dwell = np.cumsum(np.concatenate(changed)) - 1
+    ends = np.cumsum([c.size for c in changed])[:-1]
+    return np.split(half_of_dwell[dwell], ends)
 
 
 def scaled_residual(
@@ -113,7 +128,7 @@ def scaled_residual(
     scale_rad_s
         Standard deviation away from changes of phase, and just after them.
     halves
-        Halves of the blocks to return.
+        Halves of the dwells to return.
     changing
         Whether to return no rows but those just after a change.
     """
@@ -133,7 +148,7 @@ def fitted_dynamics(
     scale_rad_s: tuple[float, float],
     halves: tuple[int, ...] = (0, 1),
 ) -> Array:
-    """Return the parameters of the dynamics that suit some halves of the blocks best.
+    """Return the parameters of the dynamics that suit some halves of the dwells best.
 
     Parameters
     ----------
