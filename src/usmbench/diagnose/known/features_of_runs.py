@@ -35,7 +35,7 @@ def features_of(stretches: Sequence[Stretch]) -> Features:
     speeds = [_at_point(stretches, k, table_deg) for k in range(len(stretches[0].points))]
     every_deg = np.sort(np.concatenate(phase_deg))
     measured_deg = np.unique(every_deg)
-    nodes_deg = phase_nodes(table_deg, speeds, short_of_ends_deg(measured_deg))
+    nodes_deg = phase_nodes(table_deg, speeds, measured_deg, short_of_ends_deg(measured_deg))
     between = unmeasured_rad_s(nodes_deg, measured_deg, table_deg, speeds)
     top_rad_s = max(max(float(np.max(np.abs(s.settled_rad_s))) for s in stretches), 1e-9)
     at_ends = unheld_rad_s(nodes_deg, every_deg, top_rad_s)

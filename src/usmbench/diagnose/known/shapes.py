@@ -25,9 +25,15 @@ _NEAR_DEG, _FAR_DEG = 0.25, 5.0  # over which a slope is taken
 
 
 def phase_nodes(
-    phase_deg: Array, speeds_rad_s: Sequence[Array], also_deg: Sequence[float] = ()
+    phase_deg: Array,
+    speeds_rad_s: Sequence[Array],
+    measured_deg: Sequence[float] | Array = (),
+    also_deg: Sequence[float] = (),
 ) -> tuple[float, ...]:
     """Return nodes that share out the phases, the changes of speed, and the bends.
+
+    Where a phase was measured near one, the node lies there: else what is seen beside it would say,
+    along a straight line, what the curve is at a node that no run has come near.
 
     Parameters
     ----------
@@ -35,6 +41,8 @@ def phase_nodes(
         Phases, evenly spaced and rising, shape (N,).
     speeds_rad_s
         Settled speeds there at each operating point, shape (N,) each.
+    measured_deg
+        Phases that were measured, rising, shape (M,).
     also_deg
         Phases that have to be among them.
     """
@@ -45,11 +53,26 @@ def phase_nodes(
         along = along + part / max(float(part[-1]), 1e-12)
     shared = np.linspace(0.0, along[-1], PHASE_NODES - len(also_deg))
     nodes = np.sort(np.r_[np.interp(shared, along, phase_deg), also_deg])
+    nodes = _at_measured(nodes, np.asarray(measured_deg))
     # Where a curve does all at one place, nodes would meet there.
     apart = _APART * (phase_deg[-1] - phase_deg[0]) * np.arange(PHASE_NODES)
     nodes = np.maximum.accumulate(nodes - apart) + apart
     nodes = np.minimum(nodes, phase_deg[-1] - apart[::-1])
     return tuple(float(f"{node:.7g}") for node in nodes)
+
+
+def _at_measured(nodes_deg: Array, measured_deg: Array) -> Array:
+    """Move each node to the nearest measured phase, where that has no nearer node."""
+    if measured_deg.size == 0:
+        return nodes_deg
+    nearest_deg = measured_deg[_nearest(measured_deg, nodes_deg)]
+    own = _nearest(nodes_deg, nearest_deg) == np.arange(nodes_deg.size)
+    return np.where(own, nearest_deg, nodes_deg)
+
+
+def _nearest(rising: Array, to: Array) -> NDArray[np.intp]:
+    """Return which of rising values lies nearest to each of others."""
+    return np.searchsorted(0.5 * (rising[1:] + rising[:-1]), to)
 
 
 def short_of_ends_deg(measured_deg: Array) -> list[float]:
@@ -93,8 +116,13 @@ def unmeasured_rad_s(
         return (0.0,) * len(nodes_deg)
     slopes = [np.gradient(s, phase_deg) for s in speeds_rad_s]
     right = np.clip(np.searchsorted(measured_deg, nodes_deg), 1, measured_deg.size - 1)
+    same_deg = _APART * (phase_deg[-1] - phase_deg[0])
     off = []
-    for low, high in zip(measured_deg[right - 1], measured_deg[right], strict=True):
+    for node, k in zip(nodes_deg, right, strict=True):
+        low, high = measured_deg[k - 1], measured_deg[k]
+        if min(node - low, high - node) < same_deg:
+            off.append(0.0)
+            continue
         near = (phase_deg >= low) & (phase_deg <= high)
         turn = max((float(np.ptp(slope[near])) for slope in slopes if near.any()), default=0.0)
         off.append(float(f"{0.25 * turn * (high - low):.4g}"))
