@@ -52,7 +52,7 @@ def applied_effects(entries: Sequence[Mapping[str, Any]]) -> tuple[Applied, ...]
     Raises
     ------
     usmbench.errors.InputError
-        A cause that is not installed, or a parameter is missing.
+        A cause that is not installed, or a parameter is missing or beyond its bounds.
     """
     found = []
     for entry in entries:
@@ -63,7 +63,14 @@ def applied_effects(entries: Sequence[Mapping[str, Any]]) -> tuple[Applied, ...]
             raise InputError(
                 f"the model's effect {effect.name} lacks {missing[0]}; give it among its parameters"
             )
-        found.append(Applied(effect, {p.name: float(given[p.name]) for p in effect.parameters}))
+        values = {p.name: float(given[p.name]) for p in effect.parameters}
+        for p in effect.parameters:
+            if not p.low <= values[p.name] <= p.high:
+                raise InputError(
+                    f"the model's effect {effect.name} has {p.name} = {values[p.name]:g}; it may be "
+                    f"{p.low:g} to {p.high:g}" + (f" {p.unit}" if p.unit != "1" else "")
+                )
+        found.append(Applied(effect, values))
     return tuple(found)
 
 
