@@ -28,6 +28,11 @@ def said_beside(found: Found, verdict: Verdict) -> Iterator[str]:
     yield from _unseen_steps(found)
     if verdict == "no_discrepancy":
         yield from _left_aside(found)
+    if verdict == "unexplained" and not found.plain:
+        yield (
+            "what is left could be the model's own error, larger than its runs let one expect; "
+            "identify it on a healthy run of this plan, too, and diagnose again"
+        )
 
 
 def _unmeasured(found: Found) -> Iterator[str]:

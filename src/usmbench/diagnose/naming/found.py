@@ -78,6 +78,11 @@ class Found:
         return self.problem.deviance / self.spread**2 - self.problem.n_rows
 
     @property
+    def plain(self) -> bool:
+        """Whether the views show something, or the rows scatter widely, that nothing excuses."""
+        return self.spread > LOUD or self.before.beyond(PLAINLY, _LEAST_EXCESS)
+
+    @property
     def off_in_all(self) -> float:
         """Deviance beyond the noise that the names leave in all rows, judged or not."""
         parts = zip(self.problem.stretches, self.left_rad_s, strict=True)
@@ -193,8 +198,7 @@ def on_nothing_named(found: Found) -> Verdict:
         What the search came to.
     """
     hidden = excused(found.problem, found.spread)
-    plain = found.before.beyond(PLAINLY, _LEAST_EXCESS)
-    if found.spread > LOUD or plain or hidden.beyond(NO_CHANCE, _LEAST_HIDDEN):
+    if found.plain or hidden.beyond(NO_CHANCE, _LEAST_HIDDEN):
         return "unexplained"
     return "no_discrepancy"
 

@@ -38,6 +38,18 @@ def test_steps_larger_than_any_the_model_was_identified_on_are_said(
     problem.noise = replace(problem.noise, step_rad_s=sizes)
     quiet = Whole(0.0, 1.0, problem.n_rows)
     found = Found(problem, 1.0, [], [], Fit((), 0.0, 0.0), quiet, quiet)
-    warnings = list(said_beside(found, "unexplained"))
+    warnings = list(said_beside(found, "explained"))
     assert len(warnings) == warns
     assert all("identify it on a run with such steps as well" in w for w in warnings)
+
+
+@pytest.mark.parametrize(("excess", "warns"), [(0.2, True), (0.3, False)])
+def test_what_the_model_may_owe_is_said_where_nothing_else_is_plain(
+    excess: float, warns: bool
+) -> None:
+    problem = judged(1.0)
+    whole = Whole(excess * problem.n_rows, 0.0, problem.n_rows)
+    found = Found(problem, 1.0, [], [], Fit((), 0.0, 0.0), whole, whole)
+    said = [w for w in said_beside(found, "unexplained") if "own error" in w]
+    assert len(said) == warns
+    assert not any("own error" in w for w in said_beside(found, "explained"))
