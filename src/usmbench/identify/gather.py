@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation
 
 from usmbench.errors import InputError
 from usmbench.identify.data import Dataset, FittedRun, Point, Segment, describe
@@ -178,10 +177,13 @@ def _passes_with_lead(phase_deg: Array, passes: Mask) -> Mask:
 
     None of a warm-up at a phase beyond those of the passes, where there would be no curve.
     """
-    if not passes.any():
+    at = np.flatnonzero(passes)
+    if at.size == 0:
         return passes
-    inside = (phase_deg >= phase_deg[passes].min()) & (phase_deg <= phase_deg[passes].max())
-    lead = binary_dilation(passes, np.r_[np.zeros(_LEAD_ROWS), np.ones(_LEAD_ROWS + 1)][::-1])
+    rows = np.arange(passes.size)
+    following = at[np.minimum(np.searchsorted(at, rows), at.size - 1)]
+    lead = (following > rows) & (following - rows <= _LEAD_ROWS)
+    inside = (phase_deg >= phase_deg[at].min()) & (phase_deg <= phase_deg[at].max())
     return passes | (lead & inside)
 
 
