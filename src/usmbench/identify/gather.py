@@ -184,7 +184,8 @@ def _passes_with_lead(phase_deg: Array, passes: Mask) -> Mask:
     following = at[np.minimum(np.searchsorted(at, rows), at.size - 1)]
     lead = (following > rows) & (following - rows <= _LEAD_ROWS)
     inside = (phase_deg >= phase_deg[at].min()) & (phase_deg <= phase_deg[at].max())
-    return passes | (lead & inside)
+    used: Mask = passes | (lead & inside)
+    return used
 
 
 def _all_taken_as_driven(records: Sequence[Record]) -> list[str]:

@@ -66,9 +66,10 @@ def applied_effects(entries: Sequence[Mapping[str, Any]]) -> tuple[Applied, ...]
         values = {p.name: float(given[p.name]) for p in effect.parameters}
         for p in effect.parameters:
             if not p.low <= values[p.name] <= p.high:
+                unit = "" if p.unit == "1" else f" {p.unit}"
                 raise InputError(
-                    f"the model's effect {effect.name} has {p.name} = {values[p.name]:g}; it may be "
-                    f"{p.low:g} to {p.high:g}" + (f" {p.unit}" if p.unit != "1" else "")
+                    f"the model's effect {effect.name} has {p.name} = {values[p.name]:g}; it may "
+                    f"be {p.low:g} to {p.high:g}{unit}"
                 )
         found.append(Applied(effect, values))
     return tuple(found)
