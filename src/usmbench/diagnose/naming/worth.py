@@ -168,13 +168,17 @@ def _gained(problem: Problem, before: Sequence[Applied], after: Sequence[Applied
 
 
 def _by_row(problem: Problem, before: Fit, longer: Fit) -> Array:
-    """Deviance that more causes take from each row that counts, shape (N,).
+    """Deviance that more causes take from each row that counts, shape (N,)."""
+    fewer, more = (problem.left(f.effects)[: problem.n_rows] ** 2 for f in (before, longer))
+    return np.asarray(np.clip(fewer - more, 0.0, _most_of_one(longer)))
+
+
+def _most_of_one(longer: Fit) -> float:
+    """Most of the deviance of a row, or of a stay, that counts.
 
     What acts by chance strikes some rows far harder than others, which speaks not against them.
     """
-    fewer, more = (problem.left(f.effects)[: problem.n_rows] ** 2 for f in (before, longer))
-    most = _MOST_OF_ROW if longer.effects[-1].effect.by_chance else np.inf
-    return np.asarray(np.clip(fewer - more, 0.0, most))
+    return _MOST_OF_ROW if longer.effects[-1].effect.by_chance else np.inf
 
 
 def _effective(gained: Array) -> float:
@@ -194,7 +198,7 @@ def _stays(problem: Problem, before: Fit, longer: Fit) -> float:
     ]
     begins = np.concatenate([s.lag == 0 for s in problem.stretches])
     by_stay = np.bincount(np.cumsum(begins), weights=np.concatenate(gained))
-    return _effective(np.asarray(by_stay, dtype=np.float64))
+    return _effective(np.minimum(by_stay, _most_of_one(longer)))
 
 
 def _places(problem: Problem, gained: Array) -> float:

@@ -83,6 +83,21 @@ def test_one_stay_of_the_phase_is_an_accident(stays: tuple[int, ...], *, worth: 
     assert worth_a_name(problem, NOTHING, fit, np.array(EVERYWHERE), First(), 1.0) == worth
 
 
+@pytest.mark.parametrize(("visits", "worth"), [(1, False), (12, True)])
+def test_a_long_stay_in_which_chance_strikes_does_not_hide_the_short_ones(
+    visits: int, *, worth: bool
+) -> None:
+    long, short = np.full(300, 88.0), np.repeat(np.random.default_rng(4).uniform(-40, 40, 300), 4)
+    short[: 8 * (visits - 1)].reshape(-1, 8)[:, :4] = 88.0
+    model, loses = identified(), applied("missed_counts", "of all", share_lost=0.5, above_rad_s=9.9)
+    (stretch,), _ = cut_runs([driven(np.r_[long, short], 13, loses)], model, ())
+    known = knowledge_of(model)
+    assert known.noise is not None
+    problem = Problem([stretch], known, known.noise, [stretch.use])
+    fit = _fit(problem, loses)
+    assert worth_a_name(problem, NOTHING, fit, np.array(EVERYWHERE), First(), 1.0) == worth
+
+
 LEANS = applied("gain_asymmetry", "balanced", asymmetry=0.05)
 GRID = applied("phase_quantisation", "rounded", step_deg=3.0)
 

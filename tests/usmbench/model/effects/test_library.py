@@ -122,7 +122,7 @@ def test_a_missing_parameter_is_refused() -> None:
 @pytest.mark.parametrize("delay_s", [-0.001, 1.5, float("inf")])
 def test_an_entry_beyond_its_bounds_says_which_they_are(delay_s: float) -> None:
     entry = {"name": "transport_delay", "parameters": {"delay_s": delay_s}}
-    with pytest.raises(InputError, match="transport_delay has delay_s = .*may be 0 to 1 s$"):
+    with pytest.raises(InputError, match=r"transport_delay has delay_s = .*may be 0 to 1 s$"):
         applied_effects([entry])
 
 
