@@ -11,7 +11,7 @@ from usmbench.errors import InputError
 from usmbench.model.effects.base import Context, DynamicsEffect, Effect, Stage, Values, middle_rad
 from usmbench.model.effects.registry import find_effect
 from usmbench.model.hammerstein import LinearPart
-from usmbench.model.linear import fitted_start_rad_s, free_run
+from usmbench.model.linear import fitted_start_rad_s, free_run, free_runs
 
 Array = NDArray[np.float64]
 
@@ -136,13 +136,41 @@ def shaft_run(
     effects, context, measured_rad_s
         As in `extended_run`.
     """
-    phase_deg = through(effects, "command", context.phase_deg, context)
-    settled_rad_s = through(effects, "settled", context.settled_rad_s(phase_deg), context)
+    settled_rad_s = _driven(effects, context)
     linear = linear_part(effects, context)
     start_rad_s = None
     if measured_rad_s is not None:
         start_rad_s = fitted_start_rad_s(linear, settled_rad_s, measured_rad_s)
     return ExtendedRun(settled_rad_s, free_run(linear, settled_rad_s, start_rad_s))
+
+
+def shaft_speeds(effects: Sequence[Applied], contexts: Sequence[Context]) -> list[Array]:
+    """Return the speed of the motor's shaft on several stretches, as by `shaft_run` on each.
+
+    Parameters
+    ----------
+    effects
+        The effects.
+    contexts
+        The stretches.
+
+    Returns
+    -------
+    list of Array
+        In rad/s, shape (N,) each.
+    """
+    settled_rad_s = [_driven(effects, context) for context in contexts]
+    linears = [linear_part(effects, context) for context in contexts]
+    # Many short runs take many times as long as one.
+    if all(linear is linears[0] for linear in linears):
+        return free_runs(linears[0], settled_rad_s)
+    return [free_run(*pair) for pair in zip(linears, settled_rad_s, strict=True)]
+
+
+def _driven(effects: Sequence[Applied], context: Context) -> Array:
+    """Return the settled speed that drives the dynamics, shape (N,)."""
+    phase_deg = through(effects, "command", context.phase_deg, context)
+    return through(effects, "settled", context.settled_rad_s(phase_deg), context)
 
 
 def counted(effects: Sequence[Applied], shaft_rad_s: Array, context: Context) -> Array:

@@ -1,13 +1,14 @@
 """Difference equations of the linear part, run forward."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from usmbench.model.hammerstein import LinearPart
-from usmbench.model.torque_limit import limited_run
+from usmbench.model.torque_limit import limited_run, limited_runs
 
 Array = NDArray[np.float64]
 
@@ -58,6 +59,27 @@ def free_run(linear: LinearPart, settled_rad_s: Array, start_rad_s: float | None
         return limited_run(tau, dead, linear.slip_limit_rad_s, settled_rad_s, start)
     moved = from_rest(linear.b, linear.a, linear.dead_time_windows, settled_rad_s - start)
     return moved + start * linear.gain
+
+
+def free_runs(linear: LinearPart, settled_rad_s: Sequence[Array]) -> list[Array]:
+    """Return the outputs of several runs that start settled, as `free_run` does one by one.
+
+    Parameters
+    ----------
+    linear
+        The difference equation.
+    settled_rad_s
+        Its inputs, shape (N,) each.
+
+    Returns
+    -------
+    list of Array
+        Shape (N,) each.
+    """
+    if linear.slip_limit_rad_s is None:
+        return [free_run(linear, settled) for settled in settled_rad_s]
+    starts = [float(settled[0]) for settled in settled_rad_s]
+    return limited_runs(*_lag_windows(linear), linear.slip_limit_rad_s, settled_rad_s, starts)
 
 
 def from_rest(b: Array, a: Array, dead_time_windows: int, signal: Array) -> Array:

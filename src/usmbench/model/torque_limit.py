@@ -13,6 +13,8 @@ So ``u = log sinh |y|``, the slip's level here, falls by t/τ, and ``dy/du = tan
 simulation some thousand times.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dtbtrs
@@ -56,26 +58,60 @@ def limited_run(
     Array
         Shape (N,).
     """
+    return limited_runs(
+        tau_windows, dead_windows, slip_limit_rad_s, [settled_rad_s], [start_rad_s]
+    )[0]
+
+
+def limited_runs(
+    tau_windows: float,
+    dead_windows: float,
+    slip_limit_rad_s: float,
+    settled_rad_s: Sequence[Array],
+    start_rad_s: Sequence[float],
+) -> list[Array]:
+    """Return the mean speed of each window of several runs, which cost as much as one as long.
+
+    Parameters
+    ----------
+    tau_windows, dead_windows, slip_limit_rad_s
+        As in `limited_run`.
+    settled_rad_s, start_rad_s
+        As in `limited_run`, one a run.
+
+    Returns
+    -------
+    list of Array
+        Shape (N,) each.
+    """
     whole = int(dead_windows)
     part = dead_windows - whole
-    late = np.concatenate((np.full(whole + 1, start_rad_s), settled_rad_s))
-    late = late[: settled_rad_s.size + 1]
-    changing = late[1:] != late[:-1]
+    parts = zip(settled_rad_s, start_rad_s, strict=True)
+    lates = [np.concatenate((np.full(whole + 1, v), s))[: s.size + 1] for s, v in parts]
+    sizes = np.array([late.size for late in lates])
+    ends, late = np.cumsum(sizes), np.concatenate(lates)
+    changing = np.empty(late.size, dtype=np.bool_)
+    np.not_equal(late[1:], late[:-1], out=changing[1:])
     # The shaft starts settled, as if after a change of nothing.
-    changes = np.append(-1, np.flatnonzero(changing))
-    jumps = np.append(0.0, np.diff(late)[changing]) / slip_limit_rad_s
+    begins = ends - sizes
+    changing[begins] = True
+    changes = np.flatnonzero(changing)
+    first = np.searchsorted(changes, begins)
+    jumps = (late[changes] - late[changes - 1]) / slip_limit_rad_s
     gaps = np.diff(changes) / tau_windows
+    jumps[first], gaps[first[1:] - 1] = 0.0, np.inf
     slips = _slips_after(jumps, gaps)
     levels = _level(slips)[0]
-    latest = np.cumsum(changing)
-    since = np.arange(1.0, late.size) - part - changes[latest]
-    ended = _slip_integral(levels[latest] - since / tau_windows, slips[latest])
+    lasts = np.diff(changes, append=late.size)
+    since = np.arange(1.0 - part, late.size + 0.5 - part) - np.repeat(changes, lasts)
+    ended = _slip_integral(np.repeat(levels, lasts) - since / tau_windows, np.repeat(slips, lasts))
     lost = -np.diff(ended, prepend=0.0)
-    lost[changing] += _slip_integral(levels[1:], slips[1:])
-    lost[changing] -= _slip_integral(levels[:-1] - gaps, slips[:-1])
-    mean: Array = part * late[:-1] + (1.0 - part) * late[1:]
+    lost[changes[1:]] += _slip_integral(levels[1:], slips[1:])
+    lost[changes[1:]] -= _slip_integral(levels[:-1] - gaps, slips[:-1])
+    mean = (1.0 - part) * late
+    mean[1:] += part * late[:-1]
     mean -= slip_limit_rad_s * tau_windows * lost
-    return mean
+    return [mean[begin + 1 : end] for begin, end in zip(begins, ends, strict=True)]
 
 
 def _slips_after(jumps: Array, gaps: Array) -> Array:
@@ -107,10 +143,10 @@ def _level(y: Array) -> tuple[Array, Array]:
 def _faded(level: Array, sign: Array) -> tuple[Array, Array]:
     """Slips y of a level, of the signs given, and dy/du there."""
     node, beyond = _nearest(level)
-    slope, bend = _SLOPES[node], _BENDS[node]
+    slope, bend = _SLOPES.take(node), _BENDS.take(node)
     bend *= beyond
     twist = bend * beyond * (1.0 - 3.0 * slope**2)
-    size = _SLIPS[node] + beyond * (slope + bend / 2.0 + twist / 6.0)
+    size = _SLIPS.take(node) + beyond * (slope + bend / 2.0 + twist / 6.0)
     faded: Array = np.copysign(size, sign)
     return faded, slope + bend
 
@@ -118,14 +154,14 @@ def _faded(level: Array, sign: Array) -> tuple[Array, Array]:
 def _slip_integral(level: Array, sign: Array) -> Array:
     """G(y) = ∫ t coth t dt from 0 to y of slips y of a level, of the signs given; odd in y."""
     node, beyond = _nearest(level)
-    size = _BENDS[node]
+    size = _BENDS.take(node)
     size *= beyond / 3.0
-    size += _SLOPES[node]
+    size += _SLOPES.take(node)
     size *= beyond / 2.0
-    size += _SLIPS[node]
+    size += _SLIPS.take(node)
     size *= beyond
-    size += _INTEGRALS[node]
-    signed: Array = np.copysign(size, sign)
+    size += _INTEGRALS.take(node)
+    signed: Array = np.copysign(size, sign, out=size)
     return signed
 
 
@@ -135,6 +171,8 @@ def _nearest(level: Array) -> tuple[NDArray[np.intp], Array]:
     Taylor's series is exact beyond the last one.
     """
     held = np.maximum(level, _LOWEST)
-    node = np.minimum((held - (_LOWEST - _STEP / 2.0)) / _STEP, _LEVELS.size - 1.0)
-    node = node.astype(np.intp)
-    return node, held - _LEVELS[node]
+    place = held - (_LOWEST - _STEP / 2.0)
+    place /= _STEP
+    node = np.minimum(place, _LEVELS.size - 1.0, out=place).astype(np.intp)
+    held -= _LEVELS.take(node)
+    return node, held

@@ -1,11 +1,14 @@
 """The stages of the simulation with effects in it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from usmbench.model.effects.base import Context
 from usmbench.model.effects.registry import find_effect
-from usmbench.model.extended import Applied, at_shaft_angle, counted
+from usmbench.model.effects.first_order import first_order
+from usmbench.model.extended import Applied, at_shaft_angle, counted, shaft_run, shaft_speeds
 from usmbench.model.hammerstein import LinearPart
 
 WINDOW_S = 0.01
@@ -58,3 +61,21 @@ def test_a_disc_in_front_of_a_counter_that_loses_counts_ripples_with_the_shaft(
     lost_without = LOST.effect.apply(MOTION_RAD_S, truly, LOST.values)
     found = counted(order, MOTION_RAD_S, _context(lost_without))
     assert found == pytest.approx(reported, abs=1e-9)
+
+
+@pytest.mark.parametrize("slip_rad_s", [None, 4.0])
+@pytest.mark.parametrize("cause", ["phase_offset", "transport_delay"])
+@pytest.mark.parametrize("longer", [1.0, 2.0])
+def test_stretches_run_together_as_each_runs_alone(
+    slip_rad_s: float | None, cause: str, longer: float
+) -> None:
+    lag = replace(first_order(0.0035, 0.0015, WINDOW_S), slip_limit_rad_s=slip_rad_s)
+    contexts = [
+        replace(_context(phase), phase_deg=phase, linear=lag, window_s=window_s)
+        for phase, window_s in ((MOTION_RAD_S, WINDOW_S), (-MOTION_RAD_S[:7], longer * WINDOW_S))
+    ]
+    effect = find_effect(cause, "")
+    effects = [Applied(effect, {p.name: p.null + p.typical for p in effect.parameters})]
+    together = shaft_speeds(effects, contexts)
+    for found, context in zip(together, contexts, strict=True):
+        assert found == pytest.approx(shaft_run(effects, context).speed_rad_s, abs=1e-12)

@@ -15,7 +15,7 @@ from usmbench.model.effects.slow_dynamics import SlowDynamics
 from usmbench.model.effects.transport_delay import TransportDelay
 from usmbench.model.hammerstein import LinearPart
 from usmbench.model.linear import fitted_start_rad_s, free_run
-from usmbench.model.torque_limit import limited_run
+from usmbench.model.torque_limit import limited_run, limited_runs
 
 Array = NDArray[np.float64]
 
@@ -79,6 +79,15 @@ def test_changes_of_a_motor_that_hardly_settles_are_told_apart(tau: float, slip:
     settled = np.repeat(np.random.default_rng(7).uniform(-10.0, 10.0, 40), 5)
     run = limited_run(tau, 0.15, slip, settled, START)
     assert run == pytest.approx(by_integration(tau, 0.15, slip, settled), abs=1e-7)
+
+
+@pytest.mark.parametrize(("tau", "dead"), [(0.27, 0.08), (0.3, 1.4), (9.0, 2.0)])
+def test_runs_together_know_nothing_of_each_other(tau: float, dead: float) -> None:
+    settled = [SETTLED, SETTLED[:1], np.full(5, 2.0), -SETTLED]
+    starts = [START, 4.0, 2.0, -10.0]
+    together = limited_runs(tau, dead, 3.0, settled, starts)
+    for run, own, start in zip(together, settled, starts, strict=True):
+        assert run == pytest.approx(limited_run(tau, dead, 3.0, own, start), abs=1e-12)
 
 
 @pytest.mark.parametrize("slip", [0.2, 1e-3, 1e-6])

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Stretch
-from usmbench.model.extended import Applied, counted, shaft_run
+from usmbench.model.extended import Applied, counted, shaft_speeds
 
 Array = NDArray[np.float64]
 
@@ -57,7 +57,10 @@ class FreeRuns:
         effects
             All effects, the model's own among them.
         """
-        shaft = self._shaft_rad_s([a for a in effects if a.effect.stage not in _AFTER])
+        before = [a for a in effects if a.effect.stage not in _AFTER]
+        shaft = self._shaft_rad_s(before)
+        if len(before) == len(effects):
+            return shaft
         return [counted(effects, s, c) for s, c in zip(shaft, self._turned, strict=True)]
 
     def _shaft_rad_s(self, effects: Sequence[Applied]) -> list[Array]:
@@ -65,7 +68,7 @@ class FreeRuns:
         key = tuple((a.effect, *sorted(a.values.items())) for a in effects)
         found = self._first.get(key) or self._last.pop(key, None)
         if found is None:
-            found = [shaft_run(effects, c).speed_rad_s for c in self._contexts]
+            found = shaft_speeds(effects, self._contexts)
         if len(self._first) < self._most:
             self._first[key] = found
         elif key not in self._first:

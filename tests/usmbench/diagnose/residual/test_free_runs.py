@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.model_knowledge import knowledge_of
@@ -13,8 +14,10 @@ from usmbench.diagnose.residual.free_runs import FreeRuns
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.base import Context
 from usmbench.model.effects.registry import find_effect
-from usmbench.model.extended import Applied, ExtendedRun, extended_run, shaft_run
+from usmbench.model.extended import Applied, extended_run, shaft_speeds
 from usmbench.model.hammerstein import HammersteinModel
+
+Array = NDArray[np.float64]
 
 LATE = [Applied(find_effect("transport_delay", ""), {"delay_s": d}) for d in (0.004, 0.02)]
 RIPPLE = Applied(find_effect("encoder_eccentricity", ""), {"cosine": 0.01, "sine": 0.02})
@@ -37,11 +40,11 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[Sequence[Applied]]:
     """Return the effects with which the shaft was run, one entry a run."""
     effects_of_runs: list[Sequence[Applied]] = []
 
-    def counting(effects: Sequence[Applied], context: Context) -> ExtendedRun:
+    def counting(effects: Sequence[Applied], contexts: Sequence[Context]) -> list[Array]:
         effects_of_runs.append(effects)
-        return shaft_run(effects, context)
+        return shaft_speeds(effects, contexts)
 
-    monkeypatch.setattr("usmbench.diagnose.residual.free_runs.shaft_run", counting)
+    monkeypatch.setattr("usmbench.diagnose.residual.free_runs.shaft_speeds", counting)
     return effects_of_runs
 
 
