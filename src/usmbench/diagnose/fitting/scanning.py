@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -16,11 +17,35 @@ Array = NDArray[np.float64]
 
 _ZOOM_ROUNDS, _JAGGED_ROUNDS = 2, 5
 _ZOOM_POINTS = 7
-_AT_ONCE = 32  # columns carried together
+_AT_ONCE = 32  # shapes weighed together
+_NOTHING = 1e-18  # deviance of a change that is none
 _SLIGHT = 0.1  # of the speed: beside what changes less, another cause does what it does alone
 _TAIL = 1.0  # roughness that is worth the tail at one point, or more, from a statistic of 6 on
 
-Rate = Callable[[float, Array], float]  # what a drop and its unit column are worth
+
+@dataclass(frozen=True, slots=True)
+class _Tried:
+    """A shape at its best sizes.
+
+    Parameters
+    ----------
+    values
+        Shape and sizes.
+    drop
+        Drop of the deviance that they bring.
+    square
+        Deviance of the change that the first size makes by 1, or of the change where none sizes it.
+    turned
+        Angle between this change and the last one of any size, in rad.
+    """
+
+    values: dict[str, float]
+    drop: float
+    square: float
+    turned: float
+
+
+Rate = Callable[[float, float], float]  # what a drop and the square of its change are worth
 
 
 def fit_effect(problem: Problem, effect: Effect, given: Sequence[Applied] = ()) -> Fit:
@@ -68,17 +93,16 @@ def sharpen(problem: Problem, fit: Fit, given: Sequence[Applied] = ()) -> Fit:
     return Fit((*given, Applied(last.effect, best[0])), best[1], fit.roughness)
 
 
-def _as_is(drop: float, column: Array) -> float:
+def _as_is(drop: float, square: float) -> float:
     """Rate values by the deviance they take away."""
     return drop
 
 
-def _matched(drop: float, column: Array) -> float:
+def _matched(drop: float, square: float) -> float:
     """Rate values by what a free size of their change would take away.
 
     Between the right value and its neighbours on a grid a jagged change does more harm than good.
     """
-    square = float(column @ column)
     along = max(0.5 * (drop + square), 0.0)
     return along**2 / square if square > 0.0 else 0.0
 
@@ -100,7 +124,7 @@ class _Search:
     def __init__(self, problem: Problem, effect: Effect, given: tuple[Applied, ...]):
         self._problem, self._effect, self._given = problem, effect, given
         self._base = problem.change_rad_s(given) if given else None
-        self._left = problem.left(given)
+        self._left = problem.left_rad_s(given)
 
     def _beside_little(self) -> bool:
         """Whether the effects given change the speed so little that each acts as if alone."""
@@ -110,8 +134,10 @@ class _Search:
         changed, all_of_it = (np.linalg.norm(np.concatenate(x)) for x in (self._base, speeds))
         return bool(changed < _SLIGHT * all_of_it)
 
-    def columns(self, points: Sequence[Mapping[str, float]], *, alone: bool = False) -> Array:
-        """Return the carried changes that the effect makes at each point, shape (M, points).
+    def changes(
+        self, points: Sequence[Mapping[str, float]], *, alone: bool = False
+    ) -> list[list[Array]]:
+        """Return the changes that the effect makes at each point, by stretch, shape (N,) each.
 
         What it makes of a run without those given is at hand where it was scanned before.
         """
@@ -119,10 +145,9 @@ class _Search:
         changes = [
             self._problem.change_rad_s((*given, Applied(self._effect, values))) for values in points
         ]
-        parts = [np.column_stack(part) for part in zip(*changes, strict=True)]
-        if base is not None:
-            parts = [part - b[:, None] for part, b in zip(parts, base, strict=True)]
-        return self._problem.carried(parts)
+        if base is None:
+            return changes
+        return [[c - b for c, b in zip(change, base, strict=True)] for change in changes]
 
     def best(
         self,
@@ -130,31 +155,37 @@ class _Search:
         sized: Sequence[Parameter],
         *,
         alone: bool = False,
-    ) -> Iterator[tuple[dict[str, float], float, Array]]:
-        """Yield the best values at each shape, the drop they bring, and the unit column."""
+    ) -> Iterator[_Tried]:
+        """Yield each shape at its best sizes."""
+        nulls, each = {q.name: q.null for q in sized}, max(len(sized), 1)
+        last = [np.zeros_like(left) for left in self._left]
         for at in range(0, len(shapes), _AT_ONCE):
             chunk = shapes[at : at + _AT_ONCE]
-            if not sized:
-                columns = self.columns(chunk, alone=alone)
-                drops = 2.0 * (self._left @ columns) - np.sum(columns**2, axis=0)
-                for shape, drop, column in zip(chunk, drops, columns.T, strict=True):
-                    yield dict(shape), float(drop), column
-                continue
-            nulls = {q.name: q.null for q in sized}
             points = [
                 {**shape, **nulls, p.name: p.null + p.typical} for shape in chunk for p in sized
             ]
-            typical = np.tile([p.typical for p in sized], len(chunk))
-            columns = self.columns(points, alone=alone) / typical
+            changes = self.changes(points or chunk, alone=alone)
+            products = self._problem.products([self._left, last, *changes])
+            per = np.array([1.0, 1.0, *([p.typical for p in sized] or [1.0]) * len(chunk)])
+            products /= np.outer(per, per)
+            before = 1
             for k, shape in enumerate(chunk):
-                own = columns[:, k * len(sized) : (k + 1) * len(sized)]
-                yield *self._sized(shape, sized, own), own[:, 0]
+                own = slice(2 + k * each, 2 + (k + 1) * each)
+                normal, slope = products[own, own], products[own, 0]
+                square, turned = float(normal[0, 0]), 0.0
+                if square > _NOTHING:
+                    if products[before, before] > _NOTHING:
+                        sizes = math.sqrt(square * products[before, before])
+                        turned = math.acos(min(abs(products[own.start, before]) / sizes, 1.0))
+                    before, last = own.start, changes[k * each]
+                yield _Tried(*self._sized(shape, sized, normal, slope), square, turned)
 
     def _sized(
-        self, shape: Mapping[str, float], sized: Sequence[Parameter], matrix: Array
+        self, shape: Mapping[str, float], sized: Sequence[Parameter], normal: Array, slope: Array
     ) -> tuple[dict[str, float], float]:
         """Return the best sizes at fixed shape, to first order, and the drop they bring."""
-        normal, slope = matrix.T @ matrix, matrix.T @ self._left
+        if not sized:
+            return dict(shape), float(2.0 * slope[0] - normal[0, 0])
         ridge = 1e-12 * np.trace(normal) * np.eye(len(sized))
         sizes = np.linalg.lstsq(normal + ridge, slope, rcond=None)[0]
         kept = np.array(
@@ -173,19 +204,15 @@ class _Search:
         ]
         best: tuple[dict[str, float], float] | None = None
         near: tuple[dict[str, float], float] = ({}, 0.0)
-        turned, reached, before = 0.0, 0.0, None
+        turned, reached = 0.0, 0.0
         alone = self._beside_little()
-        for values, drop, column in self.best(shapes, sized, alone=alone):
-            size = float(np.linalg.norm(column))
-            if size > 1e-9:
-                unit = column / size
-                if before is not None:
-                    turned += math.acos(float(np.clip(abs(unit @ before), 0.0, 1.0)))
-                before = unit
-            if best is None or drop > best[1]:
-                best, reached = (values, drop), turned
+        for tried in self.best(shapes, sized, alone=alone):
+            turned += tried.turned
+            if best is None or tried.drop > best[1]:
+                best, reached = (tried.values, tried.drop), turned
             if self._effect.jagged:
-                near = max(near, (values, _matched(drop, column)), key=lambda found: found[1])
+                worth = _matched(tried.drop, tried.square)
+                near = max(near, (tried.values, worth), key=lambda found: found[1])
         if best is None:
             raise ValueError(f"{self._effect.name}: the grid of its scanned parameters is empty")
         if alone:
@@ -213,8 +240,8 @@ class _Search:
         self, shape: Mapping[str, float], sized: Sequence[Parameter]
     ) -> tuple[dict[str, float], float]:
         """Return the best values at one shape beside what is given, and the drop they bring."""
-        ((values, drop, _),) = self.best([shape], sized)
-        return values, drop
+        (tried,) = self.best([shape], sized)
+        return tried.values, tried.drop
 
     def zoomed(
         self,
@@ -232,8 +259,8 @@ class _Search:
             near = np.linspace(near[max(k - 1, 0)], near[min(k + 1, near.size - 1)], _ZOOM_POINTS)
             held = {p.name: best[0][p.name] for p in scanned}
             shapes = [{**held, parameter.name: float(value)} for value in near]
-            for values, drop, column in self.best(shapes, sized):
-                worth = rate(drop, column)
+            for tried in self.best(shapes, sized):
+                worth = rate(tried.drop, tried.square)
                 if worth > best[1]:
-                    best = (values, worth)
+                    best = (tried.values, worth)
         return best

@@ -296,6 +296,17 @@ class Problem:
         """
         return self._carrier.carried(np.concatenate(signal))
 
+    def products(self, signals: Sequence[Sequence[Array]]) -> Array:
+        """Return the products of carried residuals with each other, shape (K, K).
+
+        Parameters
+        ----------
+        signals
+            K residuals, each by stretch, in rad/s, shape (N,).
+        """
+        parts = [np.column_stack(part) for part in zip(*signals, strict=True)]
+        return self._carrier.products(parts[0] if len(parts) == 1 else np.concatenate(parts))
+
     def _leaving(
         self, stretches: Sequence[Stretch], expected_rad_s: list[Array] | None = None
     ) -> "Problem":

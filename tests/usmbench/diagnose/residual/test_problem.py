@@ -104,6 +104,17 @@ def test_several_residuals_weigh_together_what_each_weighs(
         np.testing.assert_allclose(column, problem.carried([signal]), atol=1e-9)
 
 
+def test_products_are_those_of_carried_residuals(
+    stretches: list[Stretch], known: Knowledge, noise: Noise
+) -> None:
+    twice = [stretches[0], stretches[0]]
+    problem = Problem(twice, known, noise, [s.use for s in twice])
+    rng = np.random.default_rng(1)
+    signals = [[rng.standard_normal(s.context.n) for s in twice] for _ in range(3)]
+    carried = np.array([problem.carried(signal) for signal in signals])
+    np.testing.assert_allclose(problem.products(signals), carried @ carried.T, atol=1e-8)
+
+
 def test_a_problem_weighed_anew_is_one_made_anew(
     stretches: list[Stretch], known: Knowledge, noise: Noise
 ) -> None:
