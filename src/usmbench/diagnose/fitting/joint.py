@@ -81,6 +81,33 @@ class Joint:
         """
         return self._problem.left(self.applied(theta))
 
+    def deviance(self, theta: Array) -> float:
+        """Return the deviance of what is left.
+
+        Parameters
+        ----------
+        theta
+            The values, shape (P,).
+        """
+        return self._problem.square(self._problem.left_rad_s(self.applied(theta)))
+
+    def slopes(self, theta: Array) -> tuple[Array, Array]:
+        """Return the products of the slopes of what is left with each other, and with it.
+
+        Parameters
+        ----------
+        theta
+            The values, shape (P,).
+
+        Returns
+        -------
+        tuple of Array and Array
+            JᵀJ and Jᵀr of the Jacobian J and what is left r, shape (P, P) and (P,).
+        """
+        left = self._problem.left_rad_s(self.applied(theta))
+        products = self._problem.products([left, *self._slopes_rad_s(theta)])
+        return products[1:, 1:], products[1:, 0]
+
     def jacobian(self, theta: Array) -> Array:
         """Return how the carried residual changes with each parameter, shape (M, P).
 
@@ -89,6 +116,11 @@ class Joint:
         theta
             The values, shape (P,).
         """
+        slopes = zip(*self._slopes_rad_s(theta), strict=True)
+        return self._problem.carried([np.column_stack(part) for part in slopes])
+
+    def _slopes_rad_s(self, theta: Array) -> list[list[Array]]:
+        """How what is left changes with each parameter, by stretch, shape (N,) each."""
         base = self._problem.change_rad_s(self.applied(theta))
         slopes = []
         for k, p in enumerate(self.parameters):
@@ -99,4 +131,4 @@ class Joint:
             moved[k] += step
             there = self._problem.change_rad_s(self.applied(moved))
             slopes.append([(b - t) / step for t, b in zip(there, base, strict=True)])
-        return self._problem.carried([np.column_stack(part) for part in zip(*slopes, strict=True)])
+        return slopes

@@ -10,6 +10,7 @@ from usmbench.diagnose.residual.problem import Problem
 
 _STEPS = 10
 _TOLERANCE = 1e-3
+_NOTHING = 1e-6  # deviance: where a step that promises less fails, shorter ones promise nothing
 _LEAPS, _STRIDES = 4, (0.5, 0.7, 0.85, 0.95, 1.05, 1.2, 1.4, 2.0)
 
 
@@ -25,21 +26,20 @@ def refine(problem: Problem, fit: Fit) -> Fit:
     """
     joint = Joint(problem, fit.effects)
     theta = joint.start
-    here = joint.left(theta)
-    dev, damping, jacobian = float(here @ here), 1e-3, None
+    dev, damping, slopes = joint.deviance(theta), 1e-3, None
     for _ in range(_STEPS if theta.size else 0):
-        jacobian = joint.jacobian(theta) if jacobian is None else jacobian
-        normal, slope = jacobian.T @ jacobian, jacobian.T @ here
+        slopes = joint.slopes(theta) if slopes is None else slopes
+        normal, slope = slopes
         scale = np.diag(np.maximum(np.diag(normal), 1e-12))
         moved = joint.clipped(theta - np.linalg.solve(normal + damping * scale, slope))
-        there = joint.left(moved)
-        new = float(there @ there)
+        new = joint.deviance(moved)
         if new >= dev:
             damping *= 10.0
-            if damping > 1e4:
+            promised = (theta - moved) @ (2.0 * slope - normal @ (theta - moved))
+            if damping > 1e4 or abs(promised) < _NOTHING:
                 break
             continue
-        gained, dev, theta, here, jacobian = dev - new, new, moved, there, None
+        gained, dev, theta, slopes = dev - new, new, moved, None
         damping = max(damping / 10.0, 1e-9)
         if gained < _TOLERANCE:
             break
@@ -67,8 +67,8 @@ def refine_widely(problem: Problem, fit: Fit) -> Fit:
         for k, stride in product(range(theta.size), _STRIDES):
             moved = theta.copy()
             moved[k] = null[k] + stride * (theta[k] - null[k])
-            left = joint.left(joint.clipped(moved))
-            starts.append((float(left @ left), joint.applied(joint.clipped(moved))))
+            moved = joint.clipped(moved)
+            starts.append((joint.deviance(moved), joint.applied(moved)))
         if not starts:
             break
         dev, effects = min(starts, key=lambda start: start[0])

@@ -118,6 +118,12 @@ def _charged(turned: float, reached: float) -> float:
     return 2.0 * (1.0 if reached <= 1.0 else turned) + _TAIL
 
 
+def _angle_rad(products: Array, one: int, other: int) -> float:
+    """Angle between two changes whichever way they point, by their products; of none 0."""
+    sizes = math.sqrt(max(products[one, one], 0.0) * products[other, other])
+    return 0.0 if sizes <= _NOTHING else math.acos(min(abs(products[one, other]) / sizes, 1.0))
+
+
 class _Search:
     """One effect beside fixed ones."""
 
@@ -174,9 +180,7 @@ class _Search:
                 normal, slope = products[own, own], products[own, 0]
                 square, turned = float(normal[0, 0]), 0.0
                 if square > _NOTHING:
-                    if products[before, before] > _NOTHING:
-                        sizes = math.sqrt(square * products[before, before])
-                        turned = math.acos(min(abs(products[own.start, before]) / sizes, 1.0))
+                    turned = _angle_rad(products, before, own.start)
                     before, last = own.start, changes[k * each]
                 yield _Tried(*self._sized(shape, sized, normal, slope), square, turned)
 

@@ -1,8 +1,9 @@
 """Which causes to name: the library weighed against the whitened residual."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.refining import refine
@@ -10,7 +11,6 @@ from usmbench.diagnose.fitting.scanning import fit_effect, sharpen
 from usmbench.diagnose.naming.chance import scatters
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.base import Effect
-from usmbench.model.extended import Applied
 
 # The usual levels of a test.
 SIGNIFICANT = 0.01  # of what is weighed further, and of single windows
@@ -83,6 +83,11 @@ def rank(
         if k < _REFINED or not any(p.scanned for p in fit.effects[-1].effect.parameters):
             better = refine(problem, sharpen(problem, fit, held))
             fits[k] = Fit(better.effects, better.statistic - gained, fit.roughness)
+
+    @cache  # several forms have the same lookalikes
+    def brings(other: Effect) -> float:
+        return fit_effect(problem, other, held).statistic / spread**2
+
     price = math.log(max(problem.n_rows, 2))
     found = []
     for fit in fits:
@@ -91,7 +96,7 @@ def rank(
         if effect.by_chance and not scatters(problem, fit.effects):
             # Whatever explains about as much goes first, and chance, too.
             misfit = max(_MISFIT, telling_deviance(statistic))
-        elif _passes_for_it(problem, effect, held, statistic, spread):
+        elif _passes_for_it(effect, statistic, brings):
             misfit = statistic
         alone = Fit(fit.effects[-1:], statistic - misfit, fit.roughness)
         p_value = min(1.0, alone.p_value * len(effects))
@@ -100,14 +105,12 @@ def rank(
     return sorted(found, key=lambda r: -r.score)
 
 
-def _passes_for_it(
-    problem: Problem, effect: Effect, held: Sequence[Applied], statistic: float, spread: float
-) -> bool:
+def _passes_for_it(effect: Effect, statistic: float, brings: Callable[[Effect], float]) -> bool:
     """Whether what a model may be off by explains about as much as a cause that looks like it."""
     if statistic < TELLING:
         return False
-    drops = (fit_effect(problem, other, held).statistic / spread**2 for other in effect.lookalikes)
-    return any(drop > statistic - telling_deviance(statistic) for drop in drops)
+    least = statistic - telling_deviance(statistic)
+    return any(brings(other) > least for other in effect.lookalikes)
 
 
 def _price(effect: Effect, each: float) -> float:

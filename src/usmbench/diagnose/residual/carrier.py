@@ -78,6 +78,17 @@ class Carrier:
         carried[: len(white)] -= self.background.combined(self.ways @ beta)
         return carried
 
+    def square(self, signal: Array) -> float:
+        """Return the deviance of a residual.
+
+        Parameters
+        ----------
+        signal
+            The residual on all rows, in rad/s, shape (N,).
+        """
+        white, pull = self._pulled(signal)
+        return float(white @ white - pull @ (pull / self.tension))
+
     def products(self, signal: Array) -> Array:
         """Return the products of carried residuals with each other, which takes less time.
 

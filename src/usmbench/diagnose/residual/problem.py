@@ -283,8 +283,7 @@ class Problem:
         effects
             The effects, beyond the model's own.
         """
-        left = self.left(effects)
-        return self.deviance - float(left @ left)
+        return self.deviance - self.square(self.left_rad_s(effects))
 
     def carried(self, signal: Sequence[Array]) -> Array:
         """Return a residual as the vector whose square is its deviance, shape (M,) or (M, K).
@@ -295,6 +294,16 @@ class Problem:
             The residual of each stretch, in rad/s, shape (N,), or (N, K) for K of them at once.
         """
         return self._carrier.carried(np.concatenate(signal))
+
+    def square(self, signal: Sequence[Array]) -> float:
+        """Return the deviance of a residual.
+
+        Parameters
+        ----------
+        signal
+            The residual of each stretch, in rad/s, shape (N,).
+        """
+        return self._carrier.square(np.concatenate(signal))
 
     def products(self, signals: Sequence[Sequence[Array]]) -> Array:
         """Return the products of carried residuals with each other, shape (K, K).
@@ -333,7 +342,7 @@ class Problem:
     def _take_residual(self) -> None:
         """Carry the residual."""
         self.residual = self.carried(self.residual_rad_s)
-        self.deviance = float(self.residual @ self.residual)
+        self.deviance = self.square(self.residual_rad_s)
 
     def _whole(self, mask: Mask) -> Mask:
         """Rows that count, and whose predecessors in the noise's memory count."""
