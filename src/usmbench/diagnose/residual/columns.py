@@ -1,10 +1,11 @@
 """Columns of which a few are full and the others nearly empty, each kind kept as it is fastest."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array, hstack
+from scipy.sparse import csr_array, hstack, vstack
 
 from usmbench.diagnose.cutting.stretches import Mask
 
@@ -29,22 +30,26 @@ class Columns:
     empty: csr_array
 
     @classmethod
-    def of(cls, columns: Array) -> "tuple[Columns, NDArray[np.intp]]":
+    def of(cls, blocks: Sequence[Array]) -> "tuple[Columns, NDArray[np.intp]]":
         """Return a matrix in two parts, and the place that each of their columns had in it.
 
         Parameters
         ----------
-        columns
-            Shape (N, F + E).
+        blocks
+            The matrix in blocks of rows, shape (N, F + E) together.
 
         Returns
         -------
         tuple of Columns and NDArray
             The parts; places, shape (F + E,).
         """
-        fills = np.count_nonzero(columns, axis=0) > _FULL * len(columns)
+        # Not all at once: of a long run the zeros would fill the memory.
+        filled = np.sum([np.count_nonzero(block, axis=0) for block in blocks], axis=0)
+        fills = filled > _FULL * sum(len(block) for block in blocks)
         order = np.argsort(~fills, kind="stable")
-        return cls(columns[:, fills], csr_array(columns[:, ~fills])), order
+        full = np.concatenate([block[:, fills] for block in blocks])
+        empty = vstack([csr_array(block[:, ~fills]) for block in blocks], format="csr")
+        return cls(full, csr_array(empty)), order
 
     @property
     def gram(self) -> Array:

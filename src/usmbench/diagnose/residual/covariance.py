@@ -74,7 +74,7 @@ class Covariance:
             The runs.
         """
         shapes, root = known.background(stretches)
-        columns, order = Columns.of(np.concatenate(shapes))
+        columns, order = Columns.of(shapes)
         return cls(filter_, columns, root[order], columns.filtered(filter_))
 
     def by(self, filter_: csr_array) -> "Covariance":

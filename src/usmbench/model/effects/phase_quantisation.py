@@ -1,5 +1,6 @@
 """The generator sets φ on a coarse grid."""
 
+from bisect import bisect
 from collections.abc import Sequence
 
 import numpy as np
@@ -25,7 +26,9 @@ _USUAL_DEG = sorted(
 
 def _exact_deg(step_deg: float) -> float:
     """Return the usual step that is meant: phases on one grid must stay on a multiple of it."""
-    nearest_deg = min(_USUAL_DEG, key=lambda usual: abs(usual - step_deg))
+    at = bisect(_USUAL_DEG, step_deg)
+    beside_deg = _USUAL_DEG[max(at - 1, 0) : at + 1]
+    nearest_deg = min(beside_deg, key=lambda usual: abs(usual - step_deg))
     return nearest_deg if abs(step_deg - nearest_deg) < _MEANT * nearest_deg else step_deg
 
 

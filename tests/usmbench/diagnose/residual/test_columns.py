@@ -23,7 +23,7 @@ def test_two_parts_are_the_matrix_but_for_the_order_of_its_columns(
     drawn: tuple[Array, np.random.Generator],
 ) -> None:
     matrix, rng = drawn
-    columns, order = Columns.of(matrix)
+    columns, order = Columns.of(np.split(matrix, [2, 5]))
     same = matrix[:, order]
     amounts = rng.standard_normal((order.size, 3))
     signal = rng.standard_normal((_N, 2))
@@ -38,7 +38,7 @@ def test_rows_filters_and_further_columns_are_those_of_the_matrix(
     drawn: tuple[Array, np.random.Generator],
 ) -> None:
     matrix, rng = drawn
-    columns, order = Columns.of(matrix)
+    columns, order = Columns.of(np.split(matrix, [2, 5]))
     rows, further = rng.random(_N) < 0.5, rng.standard_normal((_N, 2))
     filter_ = np.tril(np.triu(rng.standard_normal((_N, _N)), -2))
     changed = columns.filtered(csr_array(filter_)).beside(further).of_rows(rows)
@@ -48,7 +48,7 @@ def test_rows_filters_and_further_columns_are_those_of_the_matrix(
 
 
 def test_only_full_columns_are_kept_with_their_zeros() -> None:
-    columns, order = Columns.of(np.column_stack([np.eye(_N)[:, 3], np.ones(_N), np.zeros(_N)]))
+    columns, order = Columns.of([np.column_stack([np.eye(_N)[:, 3], np.ones(_N), np.zeros(_N)])])
     assert columns.full.shape == (_N, 1)
     assert columns.empty.nnz == 1
     assert order.tolist() == [1, 0, 2]
