@@ -31,12 +31,13 @@ def refine(problem: Problem, fit: Fit) -> Fit:
         slopes = joint.slopes(theta) if slopes is None else slopes
         normal, slope = slopes
         scale = np.diag(np.maximum(np.diag(normal), 1e-12))
-        moved = joint.clipped(theta - np.linalg.solve(normal + damping * scale, slope))
+        step = np.linalg.solve(normal + damping * scale, slope)
+        moved = joint.clipped(theta - step)
         new = joint.deviance(moved)
         if new >= dev:
             damping *= 10.0
-            promised = (theta - moved) @ (2.0 * slope - normal @ (theta - moved))
-            if damping > 1e4 or abs(promised) < _NOTHING:
+            # Before it is clipped: of two that are held at their ends, a shorter one may free one.
+            if damping > 1e4 or step @ (2.0 * slope - normal @ step) < _NOTHING:
                 break
             continue
         gained, dev, theta, slopes = dev - new, new, moved, None

@@ -100,12 +100,16 @@ def omnibus(problem: Problem) -> Basis:
     problem
         The problem.
     """
-    every = []
-    for binning in binnings(problem.stretches):
-        parts = zip(*_columns(problem, binning), strict=True)
-        columns = problem.carried([np.column_stack(part) for part in parts])
-        every.append(_basis(columns).vectors)
-    return _basis(np.column_stack(every))
+    every = [_directions(problem, binning) for binning in binnings(problem.stretches)]
+    columns = np.column_stack(every)
+    every.clear()  # together they take as much memory
+    return _basis(columns)
+
+
+def _directions(problem: Problem, binning: Binning) -> Array:
+    """Return the directions that one view looks in, shape (M, rank)."""
+    parts = zip(*_columns(problem, binning), strict=True)
+    return _basis(problem.carried([np.column_stack(part) for part in parts])).vectors
 
 
 def _columns(problem: Problem, binning: Binning) -> Iterator[list[Array]]:
@@ -131,14 +135,19 @@ def _columns(problem: Problem, binning: Binning) -> Iterator[list[Array]]:
 
 def _basis(columns: Array) -> Basis:
     """Orthonormal basis of columns, without what is lost in rounding."""
-    size = np.linalg.norm(columns, axis=0)
-    kept = columns[:, size > 1e-9 * max(float(size.max(initial=0.0)), 1e-300)]
-    if kept.shape[1] == 0:
+    products = columns.T @ columns
+    size = np.sqrt(np.diag(products))
+    kept = np.flatnonzero(size > 1e-9 * max(float(size.max(initial=0.0)), 1e-300))
+    if kept.size == 0:
         return Basis(np.zeros((columns.shape[0], 0)))
-    kept = kept / np.linalg.norm(kept, axis=0)
-    values, vectors = np.linalg.eigh(kept.T @ kept)
+    values, vectors = np.linalg.eigh(
+        products[np.ix_(kept, kept)] / np.outer(size[kept], size[kept])
+    )
     good = values > _RANK * values[-1]
-    return Basis(kept @ (vectors[:, good] / np.sqrt(values[good])))
+    # On the amounts of columns and not on the columns, which take much memory.
+    amounts = np.zeros((size.size, np.count_nonzero(good)))
+    amounts[kept] = vectors[:, good] / np.sqrt(values[good]) / size[kept, None]
+    return Basis(columns @ amounts)
 
 
 def residual_views(problem: Problem, after: Sequence[Array], spread: float) -> tuple[View, ...]:

@@ -2,14 +2,24 @@
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
+from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.diagnose.fitting.fit import Fit
+from usmbench.diagnose.fitting.joint import Joint
+from usmbench.diagnose.fitting.refining import refine
+from usmbench.diagnose.known.model_knowledge import knowledge_of
+from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.pipeline import diagnose
+from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.base import Context
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.effects.registry import find_effect
 from usmbench.model.extended import Applied, extended_run
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
 from usmbench.runs.record import Record
+
+Array = NDArray[np.float64]
 
 WINDOW_S, NOISE_RAD_S = 0.01, 0.03
 CURVE = StaticCurve(
@@ -35,3 +45,24 @@ def test_an_offset_of_more_than_a_step_of_the_grid_is_measured(offset_deg: float
     assert cause.name == "phase_offset"
     (found,) = cause.parameters
     assert found.value == pytest.approx(offset_deg, abs=0.2)
+
+
+def test_a_fit_at_rest_is_left_after_one_step(
+    model: HammersteinModel, stretches: list[Stretch], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    uses = [s.use for s in stretches]
+    noise = estimate_noise(stretches, [s.residual_rad_s for s in stretches], uses)
+    problem = Problem(stretches, knowledge_of(model), noise, uses)
+    start = Fit((Applied(find_effect("speed_scale", ""), {"scale_error": 0.0}),), 0.0, 0.0)
+    best = refine(problem, refine(problem, start))
+    asked: list[Array] = []
+
+    def counting(joint: Joint, theta: Array) -> float:
+        asked.append(theta)
+        return deviance(joint, theta)
+
+    deviance = Joint.deviance
+    monkeypatch.setattr(Joint, "deviance", counting)
+    again = refine(problem, best)
+    assert again.statistic == pytest.approx(best.statistic, abs=1e-6)
+    assert len(asked) == 2
