@@ -14,13 +14,14 @@ from usmbench.model.linear import free_run, from_rest
 
 Array = NDArray[np.float64]
 
-PHASE_NODES = 49
+PHASE_NODES = 73
+_EVENLY = (
+    2.0  # shares of them that lie evenly: a curve waves between its knots where it is flat, too
+)
 TABLED = 2001  # phases at which curves are asked, to lay out the nodes
 _APART = 2e-5  # of the range: seven digits tell it
-_ALONE = 4.0  # usual gaps between phases that set an end apart
 _NUDGE = 1e-4  # of the slip at which the torque gives out, and of a window
 _TRACE = 1e-4  # of what a change begins with
-_HELD, _OPEN_END = 8, 0.05  # rows that hold an end of a curve; share of the highest speed
 _NEAR_DEG, _FAR_DEG = 0.25, 5.0  # over which a slope is taken
 
 
@@ -48,7 +49,7 @@ def phase_nodes(
     """
     path = np.cumsum(sum(np.abs(np.diff(s, prepend=s[:1])) for s in speeds_rad_s))
     bend = np.cumsum(sum(np.abs(np.gradient(np.gradient(s))) for s in speeds_rad_s))
-    along = np.linspace(0.0, 1.0, phase_deg.size)
+    along = np.linspace(0.0, _EVENLY, phase_deg.size)
     for part in (path, bend):
         along = along + part / max(float(part[-1]), 1e-12)
     shared = np.linspace(0.0, along[-1], PHASE_NODES - len(also_deg))
@@ -73,85 +74,6 @@ def _at_measured(nodes_deg: Array, measured_deg: Array) -> Array:
 def _nearest(rising: Array, to: Array) -> NDArray[np.intp]:
     """Return which of rising values lies nearest to each of others."""
     return np.searchsorted(0.5 * (rising[1:] + rising[:-1]), to)
-
-
-def short_of_ends_deg(measured_deg: Array) -> list[float]:
-    """Return where a drive ends that goes on to its last phases by a jump.
-
-    A warm-up that holds an end is of a colder motor than all the rest.
-
-    Parameters
-    ----------
-    measured_deg
-        Phases that were measured, rising, shape (M,).
-    """
-    if measured_deg.size < 4:
-        return []
-    gaps_deg = np.diff(measured_deg)
-    alone_deg = _ALONE * float(np.median(gaps_deg))
-    ends = zip(measured_deg[[1, -2]], gaps_deg[[0, -1]], strict=True)
-    return [float(inner_deg) for inner_deg, gap_deg in ends if gap_deg > alone_deg]
-
-
-def unmeasured_rad_s(
-    nodes_deg: Sequence[float], measured_deg: Array, phase_deg: Array, speeds_rad_s: Sequence[Array]
-) -> tuple[float, ...]:
-    """Return how far off a curve may be at its nodes for lying between measured phases.
-
-    Over a gap of width h in which the slope turns by s, a curve may turn anywhere: a straight line
-    across is off by up to s h / 4.
-
-    Parameters
-    ----------
-    nodes_deg
-        The nodes.
-    measured_deg
-        Phases that were measured, rising, shape (M,).
-    phase_deg
-        Phases, evenly spaced and rising, shape (N,).
-    speeds_rad_s
-        Settled speeds there at each operating point, shape (N,) each.
-    """
-    if measured_deg.size < 2:
-        return (0.0,) * len(nodes_deg)
-    slopes = [np.gradient(s, phase_deg) for s in speeds_rad_s]
-    right = np.clip(np.searchsorted(measured_deg, nodes_deg), 1, measured_deg.size - 1)
-    same_deg = _APART * (phase_deg[-1] - phase_deg[0])
-    off = []
-    for node, k in zip(nodes_deg, right, strict=True):
-        low, high = measured_deg[k - 1], measured_deg[k]
-        if min(node - low, high - node) < same_deg:
-            off.append(0.0)
-            continue
-        near = (phase_deg >= low) & (phase_deg <= high)
-        turn = max((float(np.ptp(slope[near])) for slope in slopes if near.any()), default=0.0)
-        off.append(float(f"{0.25 * turn * (high - low):.4g}"))
-    return tuple(off)
-
-
-def unheld_rad_s(nodes_deg: Sequence[float], rows_deg: Array, top_rad_s: float) -> Array:
-    """Return how far off a curve may be at nodes that have few rows there or farther out.
-
-    A multisine comes to its ends once or twice, which does not tell how the curve saturates.
-
-    Parameters
-    ----------
-    nodes_deg
-        The nodes, rising, shape (K,).
-    rows_deg
-        Phases of all rows, rising, shape (N,).
-    top_rad_s
-        Highest speed.
-
-    Returns
-    -------
-    Array
-        Shape (K,).
-    """
-    up = np.searchsorted(rows_deg, nodes_deg, side="right")
-    down = rows_deg.size - np.searchsorted(rows_deg, nodes_deg, side="left")
-    held = np.minimum(np.minimum(up, down) / _HELD, 1.0)
-    return np.asarray(_OPEN_END * top_rad_s * (1.0 - held))
 
 
 def felt(linear: LinearPart, off_rad_s: Array) -> Array:

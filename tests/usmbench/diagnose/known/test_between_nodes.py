@@ -46,11 +46,11 @@ def test_a_corner_that_chance_explains_is_none() -> None:
 def test_it_acts_between_these_nodes_alone(stretches: list[Stretch]) -> None:
     (stretch,) = stretches
     features = features_of(stretches)
-    off_rad_s = np.zeros((1, PHASE_NODES - 1))
-    off_rad_s[0, 30] = 0.2
+    off_rad_s, widest = np.zeros((1, PHASE_NODES - 1)), int(np.argmax(np.diff(features.nodes_deg)))
+    off_rad_s[0, widest] = 0.2
     (column,) = between_nodes(stretch, features, off_rad_s).T
     phase_deg, settled = stretch.context.phase_deg, stretch.lag == 4
-    low_deg, high_deg = features.nodes_deg[30:32]
+    low_deg, high_deg = features.nodes_deg[widest : widest + 2]
     inside = (phase_deg > low_deg) & (phase_deg < high_deg)
     assert np.any(inside & settled)
     share = (phase_deg - low_deg) / (high_deg - low_deg)

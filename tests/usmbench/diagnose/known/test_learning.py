@@ -40,7 +40,8 @@ def _learnt(stretch: Stretch, off: list[float], far_rad_s: float = 0.0) -> tuple
     white = [NOISE_RAD_S * rng.standard_normal(s.context.n) for s in runs]
     noise = estimate_noise(runs, white, uses)
     learnt = learn(features, runs, [shape] * len(runs), noise, uses, [own] * len(runs))
-    return learnt, float(np.sqrt(np.mean((shape @ learnt.mean - shared_rad_s) ** 2)))
+    left_rad_s = (shape @ learnt.mean - shared_rad_s)[stretch.use]
+    return learnt, float(np.sqrt(np.mean(left_rad_s**2)))
 
 
 def test_what_runs_share_is_the_models_and_what_sets_them_apart_their_own(

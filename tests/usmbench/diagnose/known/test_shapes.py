@@ -13,11 +13,9 @@ from usmbench.diagnose.known.shapes import (
     PHASE_NODES,
     detuned_rad_s,
     phase_nodes,
-    short_of_ends_deg,
     shown,
-    unheld_rad_s,
-    unmeasured_rad_s,
 )
+from usmbench.diagnose.known.unmeasured import short_of_ends_deg, unmeasured_rad_s
 from usmbench.identify.lag_family import LagFamily
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
 from usmbench.model.linear import free_run
@@ -81,13 +79,6 @@ def test_nodes_lie_at_measured_phases_where_one_is_near(n: int, corner_deg: floa
     assert np.all(off[at_one] == 0.0)
 
 
-@pytest.mark.parametrize("levels_deg", [np.arange(-90.0, 91.0, 10.0), np.array([0.0, 90.0])])
-def test_a_drive_that_goes_to_its_ends_by_even_steps_stops_short_of_none(
-    levels_deg: np.ndarray,
-) -> None:
-    assert short_of_ends_deg(levels_deg) == []
-
-
 @pytest.mark.parametrize("slip_limit_rad_s", [None, SLIP_RAD_S])
 def test_a_small_change_moves_the_run_along_its_shape(slip_limit_rad_s: float | None) -> None:
     stretch = _stretch(slip_limit_rad_s)
@@ -126,23 +117,3 @@ def test_a_run_with_a_torque_limit_does_not_grow_in_proportion_to_the_gain() -> 
     settled = stretch.use & (stretch.lag > 3)
     again = shown(stretch, stretch.settled_rad_s)[settled]
     assert again == pytest.approx(stretch.simulated_rad_s[settled], abs=0.02)
-
-
-def test_a_curve_between_measured_phases_is_as_unsure_as_a_corner_there_would_make_it() -> None:
-    table_deg = np.linspace(-90.0, 90.0, 1801)
-    corner = 0.2 * np.maximum(table_deg - 14.0, 0.0)
-    measured_deg = np.r_[np.arange(-90.0, 0.0, 0.1), np.arange(0.0, 91.0, 10.0)]
-    nodes_deg = (-45.03, 3.0, 15.0, 34.0)
-    off = unmeasured_rad_s(nodes_deg, measured_deg, table_deg, [corner])
-    # From 10 to 20 degrees the slope turns by 0.2: in the middle, a line across is off by 0.5.
-    assert off[2] == pytest.approx(0.5, rel=0.01)
-    assert (off[0], off[1], off[3]) == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
-    assert unmeasured_rad_s(nodes_deg, measured_deg[:1], table_deg, [corner]) == (0.0,) * 4
-
-
-@pytest.mark.parametrize("times", [1, 4, 8])
-def test_an_end_that_few_rows_hold_may_be_off(times: int) -> None:
-    rows_deg = np.sort(np.r_[np.linspace(-90.0, 40.0, 300), np.full(times, 90.0)])
-    low, middle, edge, end = unheld_rad_s((-80.0, 0.0, 60.0, 90.0), rows_deg, 10.0)
-    assert low == middle == 0.0
-    assert edge == end == pytest.approx(0.5 * (1.0 - times / 8))
