@@ -189,8 +189,8 @@ def _passes_with_lead(phase_deg: Array, passes: Mask) -> Mask:
 
 
 def _all_taken_as_driven(records: Sequence[Record]) -> list[str]:
-    """Warn of runs that do not say which of their windows were driven."""
-    names = [record.name for record in records if record.driven is None]
+    """Warn of runs that say of none of their windows whether it was driven, or a warm-up."""
+    names = [r.name for r in records if r.driven is None and r.sweep is None]
     if not names:
         return []
     more = f" and {len(names) - 1} more" if len(names) > 1 else ""

@@ -26,6 +26,7 @@ def said_beside(found: Found, verdict: Verdict) -> Iterator[str]:
     """
     yield from _unmeasured(found)
     yield from _unseen_steps(found)
+    yield from _angles(found)
     if verdict == "no_discrepancy":
         yield from _left_aside(found)
     if verdict == "unexplained" and not found.plain:
@@ -63,6 +64,17 @@ def _unseen_steps(found: Found) -> Iterator[str]:
             f"to {largest_rad_s:.2g} rad/s: how the motor follows larger ones it does not know; "
             "identify it on a run with such steps as well"
         )
+
+
+def _angles(found: Found) -> Iterator[str]:
+    """Say which named causes have an angle that is that of the runs' counter."""
+    for applied in found.fit.effects:
+        if applied.effect.waves:
+            yield (
+                f"{applied.effect.name}: its angle is that of the counter in these runs; where a "
+                "counter begins elsewhere, replay puts the ripple elsewhere, and only diagnose "
+                "finds its place again"
+            )
 
 
 def _left_aside(found: Found) -> Iterator[str]:

@@ -118,14 +118,14 @@ class Found:
     def at_an_end(self) -> bool:
         """Whether a size is all that it may be: what would fit is something else.
 
-        A share of all that there is has its end in itself.
+        A share of all that there is has its end in itself, and so has what loses all.
         """
         sizes = (
             (end - p.null, a.values[p.name] - p.null)
             for a in self.fit.effects
             for p in a.effect.parameters
             for end in (p.low, p.high)
-            if not p.scanned and not (p.unit == "1" and abs(end) == 1.0)
+            if not p.scanned and not (p.unit == "1" and (end == -1.0 or (p.low, end) == (0.0, 1.0)))
         )
         return any(end != 0.0 and size / end > _AT_END for end, size in sizes)
 

@@ -53,3 +53,13 @@ def test_what_the_model_may_owe_is_said_where_nothing_else_is_plain(
     said = [w for w in said_beside(found, "unexplained") if "own error" in w]
     assert len(said) == warns
     assert not any("own error" in w for w in said_beside(found, "explained"))
+
+
+def test_a_ripple_is_said_to_be_at_the_counters_angle() -> None:
+    problem = judged(1.0)
+    off_centre = applied("encoder_eccentricity", "", cosine=0.01, sine=0.0)
+    quiet = Whole(0.0, 1.0, problem.n_rows)
+    named = Found(problem, 1.0, [], [[]], Fit((off_centre,), 60.0, 0.0), quiet, quiet)
+    (warning,) = said_beside(named, "explained")
+    assert warning.startswith("encoder_eccentricity: its angle is that of the counter")
+    assert not list(said_beside(replace(named, fit=Fit((), 0.0, 0.0)), "explained"))

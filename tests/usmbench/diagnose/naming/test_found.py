@@ -10,6 +10,7 @@ from usmbench.diagnose.naming.found import Found, verdict_on
 from usmbench.diagnose.naming.ranking import Ranked
 from usmbench.diagnose.naming.sporadic import Sporadic
 from usmbench.diagnose.residual.whole import Whole
+from usmbench.model.extended import Applied
 
 
 @pytest.mark.parametrize(("spread", "mostly_left"), [(1.2, False), (1.8, True)])
@@ -99,3 +100,20 @@ def test_single_windows_are_the_matter_where_most_of_what_is_off_is_in_them(
     assert found.off_in_all > 0.0
     lone = Mock(spec=Sporadic, deviance=share * found.off_in_all)
     assert verdict_on(found, lone) == verdict
+
+
+@pytest.mark.parametrize(
+    ("applied_", "ends"),
+    [
+        (applied("thermal_drift", "speed", final_drift=1.0, warm_up_s=1000.0), True),
+        (applied("thermal_drift", "speed", final_drift=-1.0, warm_up_s=1000.0), False),
+        (applied("missed_counts", "of all", share_lost=1.0, above_rad_s=5.0), False),
+        (applied("phase_offset", "", offset_deg=60.0), True),
+    ],
+    ids=["twice the speed", "none of it", "all counts", "the end of a search"],
+)
+def test_a_size_that_is_all_it_may_be_explains_nothing(applied_: Applied, *, ends: bool) -> None:
+    problem = judged(1.0)
+    quiet = Whole(0.0, 1.0, problem.n_rows)
+    found = Found(problem, 1.0, [], [], Fit((applied_,), 60.0, 0.0), quiet, quiet)
+    assert found.at_an_end == ends
