@@ -74,7 +74,7 @@ def test_nodes_lie_at_measured_phases_where_one_is_near(n: int, corner_deg: floa
     away_deg = np.abs(measured_deg[:, None] - nodes_deg).min(axis=1)
     # One that has none of its own would have to share it: nodes are not as dense there.
     assert np.all(away_deg[away_deg > 1e-3] > 0.5)
-    off = np.array(unmeasured_rad_s(nodes_deg, measured_deg, table_deg, [speed_rad_s]))
+    off = np.array(unmeasured_rad_s(nodes_deg.tolist(), measured_deg, table_deg, [speed_rad_s]))
     at_one = np.abs(nodes_deg[:, None] - measured_deg).min(axis=1) < 1e-3
     assert np.all(off[at_one] == 0.0)
 
