@@ -20,7 +20,6 @@ Mask = NDArray[np.bool_]
 
 _STANDS_RAD_S = 1e-9
 _FEWEST_WINDOWS = 50
-_LEAD_ROWS = 25  # of the warm-up: far beyond what a motor remembers
 
 
 def from_windows(records: Sequence[Record]) -> Dataset:
@@ -165,27 +164,11 @@ def _used(record: Record) -> Mask | None:
     """Rows with the drive on, after the warm-up, and of a speed that may be; None for all."""
     masks = [] if record.driven is None else [record.driven]
     if record.sweep is not None:
-        masks.append(_passes_with_lead(record.phase_deg, record.sweep >= 0.0))
+        masks.append(record.sweep >= 0.0)
     wild = wild_rows(record)
     if wild.any():
         masks.append(~wild)
     return np.logical_and.reduce(masks) if masks else None
-
-
-def _passes_with_lead(phase_deg: Array, passes: Mask) -> Mask:
-    """Rows of the passes, and the last of a warm-up: the step out of it is often the largest.
-
-    None of a warm-up at a phase beyond those of the passes, where there would be no curve.
-    """
-    at = np.flatnonzero(passes)
-    if at.size == 0:
-        return passes
-    rows = np.arange(passes.size)
-    following = at[np.minimum(np.searchsorted(at, rows), at.size - 1)]
-    lead = (following > rows) & (following - rows <= _LEAD_ROWS)
-    inside = (phase_deg >= phase_deg[at].min()) & (phase_deg <= phase_deg[at].max())
-    used: Mask = passes | (lead & inside)
-    return used
 
 
 def _all_taken_as_driven(records: Sequence[Record]) -> list[str]:

@@ -3,8 +3,8 @@
 The curves stay as the linear fit left them, on settled windows. The free run with a torque limit
 (`usmbench.model.torque_limit`) then has three parameters. It is fitted beside the plain lag on one
 half of the record's dwells and both are scored on the other half, and the other way round; the
-limit is taken where it leaves clearly less just after changes of phase. Where all steps but one are
-small, such as that out of a warm-up, no half foretells it: it has to come plainly later than they.
+limit is taken where it leaves clearly less just after changes of phase. One large step alone shows
+none: no half foretells it, and a command that met its window late looks the same.
 """
 
 import math
@@ -32,7 +32,6 @@ _FEWEST_CHANGES = 20  # rows just after a change, in each half
 _HINT = 5.0  # standard deviations
 _CLEARLY = 0.9  # of the lag's loss
 _AS_LARGE = 0.5  # of a step, for one to teach of it
-_LATE, _GAUSSIAN = 4.0, 1.4826  # standard deviations; of one, over the median deviation
 _LOW, _HIGH = 0.02, 50.0  # slips of interest, of the span of speeds
 _NUDGE = 1e-4
 
@@ -165,18 +164,13 @@ def _better(
     courses: Sequence[Course], family: LimitedLagFamily, start: Array, scale: tuple[float, float]
 ) -> bool:
     """Whether the limit leaves clearly less on the dwells held out."""
-    sizes = [_sizes_rad_s(courses, half) for half in (0, 1)]
-    lone = _AS_LARGE * sizes[0].max() > sizes[1].max()  # of all, the largest is in the first half
-    if lone and not _plainly_late(courses, family.lag, start[:2], sizes[1].max()):
+    if _AS_LARGE * _largest_rad_s(courses, 0) > _largest_rad_s(courses, 1):
         return False
     losses = [0.0, 0.0]
-    for trained, held_out in ((0, 1), (1, 0)):
-        lag = fitted_dynamics(courses, family.lag, start[:2], scale, (trained,))
-        limited = np.r_[lag, start[2]]  # a guess, where nothing teaches it
-        if not (lone and trained == 1):
-            limited = fitted_dynamics(courses, family, start, scale, (trained,))
-        candidates: tuple[tuple[Parametrised, Array], ...] = ((family.lag, lag), (family, limited))
-        for k, (candidate, parameters) in enumerate(candidates):
+    candidates: tuple[tuple[Parametrised, Array], ...] = ((family.lag, start[:2]), (family, start))
+    for k, (candidate, begin) in enumerate(candidates):
+        for trained, held_out in ((0, 1), (1, 0)):
+            parameters = fitted_dynamics(courses, candidate, begin, scale, (trained,))
             left = scaled_residual(
                 courses, candidate, parameters, scale, (held_out,), changing=True
             )
@@ -184,30 +178,9 @@ def _better(
     return losses[1] < _CLEARLY * losses[0]
 
 
-def _sizes_rad_s(courses: Sequence[Course], half: int) -> Array:
-    """Sizes of the steps of one half of the dwells."""
-    sizes: Array = np.abs(np.concatenate([c.step_rad_s[c.half == half] for c in courses]))
-    return sizes
-
-
-def _plainly_late(
-    courses: Sequence[Course], lag: LagFamily, parameters: Array, others_rad_s: float
-) -> bool:
-    """Whether a lone large step comes later than the largest of the others scatter.
-
-    A command that meets its window late makes small and large steps miss alike.
-    """
-    linear = lag.dynamics(parameters).linear_part(1.0)
-    step_rad_s = np.concatenate([c.step_rad_s for c in courses])
-    left_rad_s = np.concatenate(
-        [c.speed_rad_s - free_run(linear, c.settled_rad_s) for c in courses]
-    )
-    size_rad_s = np.abs(step_rad_s)
-    others = (size_rad_s <= others_rad_s) & (size_rad_s > _AS_LARGE * others_rad_s)
-    missed = left_rad_s / np.where(size_rad_s > 0.0, -step_rad_s, np.inf)
-    middle = float(np.median(missed[others]))
-    scatter = _GAUSSIAN * float(np.median(np.abs(missed[others] - middle)))
-    return float(missed[np.argmax(size_rad_s)]) - middle > _LATE * scatter
+def _largest_rad_s(courses: Sequence[Course], half: int) -> float:
+    """Size of the largest step of one half of the dwells; of all it is in the first."""
+    return max(float(np.max(np.abs(c.step_rad_s[c.half == half]), initial=0.0)) for c in courses)
 
 
 def _linearised(

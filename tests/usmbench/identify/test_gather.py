@@ -14,19 +14,13 @@ from usmbench.runs.record import Pairs, Record
 Measure = Callable[..., Record]
 
 
-@pytest.mark.parametrize(("warm_up_deg", "first_row"), [(45.0, 25), (90.1, 50)])
-def test_rest_and_warm_up_are_left_out_but_for_the_step_into_the_first_pass(
-    measure: Measure, warm_up_deg: float, first_row: int
-) -> None:
+def test_rest_and_warm_up_are_left_out(measure: Measure) -> None:
     record = measure(300)
     sweep = np.where(record.t_s < 0.505, -1.0, 0.0)
     drive_on = np.where(record.t_s > 2.505, 0.0, 1.0)
-    phase_deg = np.where(sweep < 0.0, warm_up_deg, np.clip(record.phase_deg, -60.0, 60.0))
-    record = replace(record, phase_deg=phase_deg, sweep=sweep, extra={"drive_on": drive_on})
-    data = from_windows([record])
-    # Beyond the phases of the passes there is no curve, and nothing to step from.
-    assert [(s.first_row, s.n) for s in data.segments] == [(first_row, 250 - first_row)]
-    assert data.runs[0].rows == 250 - first_row
+    data = from_windows([replace(record, sweep=sweep, extra={"drive_on": drive_on})])
+    assert [(s.first_row, s.n) for s in data.segments] == [(50, 200)]
+    assert data.runs[0].rows == 200
 
 
 def test_a_run_that_never_drove_is_refused(measure: Measure) -> None:
