@@ -15,9 +15,7 @@ from usmbench.model.linear import free_run, from_rest
 Array = NDArray[np.float64]
 
 PHASE_NODES = 73
-_EVENLY = (
-    2.0  # shares of them that lie evenly: a curve waves between its knots where it is flat, too
-)
+_EVENLY = 2.0  # shares of four that lie evenly: between knots a curve waves where it is flat, too
 TABLED = 2001  # phases at which curves are asked, to lay out the nodes
 _APART = 2e-5  # of the range: seven digits tell it
 _NUDGE = 1e-4  # of the slip at which the torque gives out, and of a window
