@@ -8,7 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.errors import InputError
-from usmbench.model.effects.base import Context, DynamicsEffect, Effect, Stage, Values, middle_rad
+from usmbench.model.effects.base import (
+    Context,
+    DynamicsEffect,
+    Effect,
+    Parameter,
+    Stage,
+    Values,
+    middle_rad,
+)
 from usmbench.model.effects.registry import find_effect
 from usmbench.model.hammerstein import LinearPart
 from usmbench.model.linear import fitted_start_rad_s, free_run, free_runs
@@ -58,21 +66,24 @@ def applied_effects(entries: Sequence[Mapping[str, Any]]) -> tuple[Applied, ...]
     for entry in entries:
         effect = find_effect(str(entry["name"]), str(entry.get("form", "")))
         given = entry.get("parameters") or {}
-        missing = [p.name for p in effect.parameters if p.name not in given]
-        if missing:
-            raise InputError(
-                f"the model's effect {effect.name} lacks {missing[0]}; give it among its parameters"
-            )
-        values = {p.name: float(given[p.name]) for p in effect.parameters}
-        for p in effect.parameters:
-            if not p.low <= values[p.name] <= p.high:
-                unit = "" if p.unit == "1" else f" {p.unit}"
-                raise InputError(
-                    f"the model's effect {effect.name} has {p.name} = {values[p.name]:g}; it may "
-                    f"be {p.low:g} to {p.high:g}{unit}"
-                )
-        found.append(Applied(effect, values))
+        found.append(Applied(effect, {p.name: _given(effect, p, given) for p in effect.parameters}))
     return tuple(found)
+
+
+def _given(effect: Effect, p: Parameter, given: Mapping[str, Any]) -> float:
+    """Value of a parameter among those given, within its bounds."""
+    if p.name not in given:
+        raise InputError(
+            f"the model's effect {effect.name} lacks {p.name}; give it among its parameters"
+        )
+    value = float(given[p.name])
+    if not p.low <= value <= p.high:
+        unit = "" if p.unit == "1" else f" {p.unit}"
+        raise InputError(
+            f"the model's effect {effect.name} has {p.name} = {value:g}; it may be {p.low:g} to "
+            f"{p.high:g}{unit}"
+        )
+    return value
 
 
 def foreseen_effects(entries: Sequence[Mapping[str, Any]]) -> tuple[Applied, ...]:
