@@ -13,7 +13,7 @@ from usmbench.diagnose.residual.problem import Problem
 
 Array = NDArray[np.float64]
 
-_GROSS, _HARDLY = 1.25, 0.1  # times the mean square that is no news; of what is beyond it
+_GROSS, _HARDLY = 1.25, 0.1  # times a mean square: more than chance; of what is beyond it
 _BY_CHANCE = 2.0  # standard deviations
 
 
@@ -63,6 +63,8 @@ def foretells_nothing(problem: Problem, foretold: Sequence[Array]) -> bool:
             [problem.noise.level_rad_s(s) for s in problem.stretches],
         )
     )
+    if float(np.sum((plain - change) ** 2)) > _GROSS * float(plain @ plain):
+        return True
     shown = float(beyond @ beyond) < float(plain @ plain)
     residual = beyond if shown else plain
     above = float(residual @ residual)

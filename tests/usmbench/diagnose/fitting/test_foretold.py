@@ -71,6 +71,21 @@ def test_what_only_makes_up_for_what_is_expected_and_not_there_is_nothing(
     assert foretells_nothing(problem, [-expected])
 
 
+def test_what_makes_the_simulation_plainly_worse_is_nothing(
+    stretches: list[Stretch], known: Knowledge
+) -> None:
+    """Though a day's gain might be what hides it."""
+    (stretch,) = stretches
+    wide = replace(known, wander=replace(known.wander, gain=0.05))
+    problem = problem_of(wide, stretch, known.expected_rad_s(stretch))
+    level = float(np.sqrt(np.mean(stretch.simulated_rad_s[stretch.use] ** 2)))
+    noisy = float(np.sqrt(np.mean(problem.stretches[0].residual_rad_s[stretch.use] ** 2)))
+    gain = (noisy / level) * stretch.simulated_rad_s
+    sign = -np.sign(gain @ problem.stretches[0].residual_rad_s)
+    assert foretells_nothing(problem, [sign * gain])
+    assert not foretells_nothing(problem, [0.1 * sign * gain])
+
+
 @pytest.mark.parametrize(("share", "nothing"), [(0.02, True), (1.0, False)])
 def test_of_what_is_plainly_wrong_a_tenth_has_to_go(
     stretches: list[Stretch], known: Knowledge, share: float, nothing: bool
