@@ -202,12 +202,17 @@ def _alone(
 def _beyond(
     problem: Problem, left: Sequence[Array], rows: Sequence[Mask], spread: float
 ) -> list[Mask]:
-    """Rows, of those given, that are plainly beyond the noise and what is no news."""
-    unsure = problem.unsure_rad_s(rows)
-    parts = zip(problem.stretches, left, rows, unsure, strict=True)
+    """Rows, of those given, that are plainly beyond the noise and what is no news.
+
+    Of a rotor that turns on, this moves the windows beside them as well.
+    """
+    calm = [steady(s) for s in problem.stretches]
+    turns = problem.unsure_beside_rad_s([m & c for m, c in zip(rows, calm, strict=True)])
+    others = problem.unsure_rad_s([m & ~c for m, c in zip(rows, calm, strict=True)])
+    parts = zip(problem.stretches, left, rows, turns, others, strict=True)
     return [
-        mask & (np.abs(r) > PLAIN * spread * np.hypot(problem.noise.level_rad_s(s), u))
-        for s, r, mask, u in parts
+        mask & (np.abs(r) > PLAIN * spread * np.hypot(problem.noise.level_rad_s(s), t + o))
+        for s, r, mask, t, o in parts
     ]
 
 

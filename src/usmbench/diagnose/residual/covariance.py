@@ -22,6 +22,8 @@ from usmbench.diagnose.residual.columns import Columns
 
 Array = NDArray[np.float64]
 
+_BESIDE = 2  # windows: one that is off may have a neighbour that is, too
+
 
 def whitened_by(noise: Noise, stretches: Sequence[Stretch], weights: Array | None) -> csr_array:
     """Return what makes the noise of all stretches white, shape (N, N).
@@ -124,6 +126,23 @@ class Covariance:
             Those that are asked for, shape (N,).
         """
         unsure: Array = np.linalg.norm(self.shapes.of_rows(rows).combined(self.root), axis=1)
+        return unsure
+
+    def unsure_beside_rad_s(self, rows: Mask) -> Array:
+        """Return by how much more a residual may be off than around it, shape (rows,).
+
+        Parameters
+        ----------
+        rows
+            Those that are asked for, shape (N,), each against one on either side.
+        """
+        at, last = np.flatnonzero(rows), rows.size - 1
+        beside = [np.clip(at + way * _BESIDE, 0, last) for way in (-1, 1)]
+        each = np.arange(at.size)
+        weights = np.repeat([1.0, -0.5, -0.5], at.size)
+        where = (np.tile(each, 3), np.concatenate([at, *beside]))
+        differences = self.shapes.filtered(csr_array((weights, where), shape=(at.size, rows.size)))
+        unsure: Array = np.linalg.norm(differences.combined(self.root), axis=1)
         return unsure
 
     def unsure_along(self, signal: Array) -> float:

@@ -1,6 +1,6 @@
 """The whitened problem: how far a simulation is from the measurement, given all that is known."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import replace
 
@@ -250,10 +250,17 @@ class Problem:
         rows
             Rows of each stretch that are asked for; the others get 0.
         """
-        asked = np.concatenate(rows)
-        unsure = np.zeros(asked.size)
-        unsure[asked] = self._covariance.unsure_rad_s(asked)
-        return np.split(unsure, np.cumsum([mask.size for mask in rows])[:-1])
+        return _at(rows, self._covariance.unsure_rad_s)
+
+    def unsure_beside_rad_s(self, rows: Sequence[Mask]) -> list[Array]:
+        """Return by how much more than around it a residual may be off, by stretch, shape (N,).
+
+        Parameters
+        ----------
+        rows
+            Rows of each stretch that are asked for; the others get 0.
+        """
+        return _at(rows, self._covariance.unsure_beside_rad_s)
 
     def unsure_along(self, signal: Sequence[Array]) -> float:
         """Return the standard deviation of the product of a signal and what is no news.
@@ -351,3 +358,11 @@ class Problem:
             whole[k:] &= mask[:-k]
             whole[:k] = False
         return whole
+
+
+def _at(rows: Sequence[Mask], values: Callable[[Mask], Array]) -> list[Array]:
+    """Return values of some rows by stretch, and 0 on the others."""
+    asked = np.concatenate(rows)
+    every = np.zeros(asked.size)
+    every[asked] = values(asked)
+    return np.split(every, np.cumsum([mask.size for mask in rows])[:-1])

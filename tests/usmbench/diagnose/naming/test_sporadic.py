@@ -13,8 +13,11 @@ from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.naming.sporadic import find_sporadic, left_unnamed
 from usmbench.diagnose.noise.spikes import whole_count_rad_s
 from usmbench.diagnose.pipeline import diagnose
+from usmbench.diagnose.reference import with_knowledge
 from usmbench.diagnose.residual.problem import Problem
+from usmbench.identify.fast import FastOptions, identify_fast
 from usmbench.model.extended import Applied
+from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.replay import replay_record
 from usmbench.runs.record import Record
 
@@ -117,6 +120,29 @@ def test_windows_too_few_for_a_cause_are_not_left_unsaid(n_off: int, told: bool)
     assert len(warned) == told
     if told:
         assert f"not judged: 2, off by up to {25.0 * NOISE_RAD_S:.1g}" in warned[0]
+
+
+@pytest.mark.parametrize("times_noise", [12.0, 0.0])
+def test_a_day_of_another_gain_hides_no_lone_windows(
+    wandering: HammersteinModel, times_noise: float
+) -> None:
+    record = measured(11, n=4000)
+    off = np.zeros(record.speed_rad_s.size)
+    off[54::400] = times_noise * NOISE_RAD_S
+    faster = 1.01 * record.speed_rad_s
+    found = diagnose([replace(record, speed_rad_s=faster + off)], wandering)
+    assert [cause.name for cause in found.causes] == ["count_glitches"] * (times_noise > 0.0)
+
+
+@pytest.fixture(scope="module")
+def wandering() -> HammersteinModel:
+    """Return the model of a motor whose gain is another each day."""
+    days = {1: -0.01, 2: 0.008, 101: 0.004, 102: -0.003}
+    runs = [
+        replace(run, speed_rad_s=(1.0 + days[seed]) * run.speed_rad_s)
+        for seed, run in ((seed, measured(seed)) for seed in days)
+    ]
+    return with_knowledge(identify_fast(runs, FastOptions(12)).model, runs)
 
 
 def test_where_something_has_no_name_lone_windows_are_told_too() -> None:
