@@ -84,7 +84,12 @@ def _binned(phase_deg: Array, error: Array, n_bins: int) -> list[_Bin]:
     cuts = np.unique(np.searchsorted(phases, phases[even]))
     parts = zip(np.split(phases, cuts), np.split(errors, cuts), strict=True)
     return [
-        _Bin(float(deg[0]), float(np.clip(np.mean(deg), deg[0], deg[-1])), float(deg[-1]), _spread(left))
+        _Bin(
+            float(deg[0]),
+            float(np.clip(np.mean(deg), deg[0], deg[-1])),
+            float(deg[-1]),
+            _spread(left),
+        )
         for deg, left in parts
         if deg.size
     ]

@@ -130,8 +130,8 @@ def _by_size(size_rad_s: Array, error: Array, calm: Array) -> tuple[Array, Array
         beyond = _TRIMMED * kept - float(np.mean(calm[rows] ** 2))
         spreads.append(np.sqrt(max(beyond, 0.0)))
     missing = _SIZES - n_bins
-    sizes = np.maximum.accumulate(sizes)  # means of equal sizes differ in their last digit
-    return np.pad(sizes, (missing, 0), mode="edge"), np.pad(spreads, (missing, 0), mode="edge")
+    rising = np.maximum.accumulate(sizes)  # means of equal sizes differ in their last digit
+    return np.pad(rising, (missing, 0), mode="edge"), np.pad(spreads, (missing, 0), mode="edge")
 
 
 def _at_edge(

@@ -1,6 +1,6 @@
 """The whitened problem: how far a simulation is from the measurement, given all that is known."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
 
@@ -11,11 +11,11 @@ from usmbench.diagnose.cutting.stretches import Mask, Stretch
 from usmbench.diagnose.known.knowledge import Knowledge
 from usmbench.diagnose.noise.chance_scatter import chance_scatter_rad_s
 from usmbench.diagnose.noise.noise_model import Noise
-from usmbench.diagnose.noise.whitening import memory_rows
 from usmbench.diagnose.residual.covariance import Covariance, whitened_by
 from usmbench.diagnose.residual.form import ROUGHLY, off_in_form
 from usmbench.diagnose.residual.free_runs import FreeRuns
 from usmbench.diagnose.residual.shown_motor import counters_of, expected_as_counted, shown_by
+from usmbench.diagnose.residual.weighed_residual import WeighedResidual
 from usmbench.model.effects.base import PHYSICS
 from usmbench.model.extended import Applied, at_shaft_angle
 
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 _ANY = 1e3  # typical sizes
 
 
-class Problem:
+class Problem(WeighedResidual):
     """Stretches, their noise and what is known, ready to weigh residuals.
 
     Parameters
@@ -49,28 +49,13 @@ class Problem:
         masks: Sequence[Mask],
         own: Sequence[Applied] = (),
     ):
-        self.stretches = tuple(stretches)
         self.known = known
         self.own = tuple(own)
-        self._runs = FreeRuns(self.stretches)
-        self._expected_rad_s = [known.expected_rad_s(s) for s in self.stretches]
-        self.residual_rad_s = [
-            s.residual_rad_s - e for s, e in zip(self.stretches, self._expected_rad_s, strict=True)
-        ]
-        self.noise = noise
-        filter_ = whitened_by(noise, self.stretches, None)
-        self._covariance = Covariance.of(filter_, known, self.stretches)
-        self._judge(masks)
-
-    @property
-    def n_rows(self) -> int:
-        """Rows that count."""
-        return sum(int(np.count_nonzero(valid)) for valid in self._valid)
-
-    @property
-    def valid(self) -> tuple[Mask, ...]:
-        """Rows of each stretch that count, and whose past counts."""
-        return tuple(self._valid)
+        self._runs = FreeRuns(stretches)
+        self._expected_rad_s = [known.expected_rad_s(s) for s in stretches]
+        left = [s.residual_rad_s - e for s, e in zip(stretches, self._expected_rad_s, strict=True)]
+        covariance = Covariance.of(whitened_by(noise, stretches, None), known, stretches)
+        super().__init__(stretches, left, noise, covariance, masks)
 
     def weighed(
         self, noise: Noise, masks: Sequence[Mask], weights: Sequence[Array] | None = None
@@ -242,46 +227,6 @@ class Problem:
         """
         return self.carried(self.left_rad_s(effects)) if effects else self.residual
 
-    def unsure_rad_s(self, rows: Sequence[Mask]) -> list[Array]:
-        """Return how far off a residual may be by what is no news, by stretch, shape (N,).
-
-        Parameters
-        ----------
-        rows
-            Rows of each stretch that are asked for; the others get 0.
-        """
-        return _at(rows, self._covariance.unsure_rad_s)
-
-    def unsure_beside_rad_s(self, rows: Sequence[Mask]) -> list[Array]:
-        """Return by how much more than around it a residual may be off, by stretch, shape (N,).
-
-        Parameters
-        ----------
-        rows
-            Rows of each stretch that are asked for; the others get 0.
-        """
-        return _at(rows, self._covariance.unsure_beside_rad_s)
-
-    def unsure_along(self, signal: Sequence[Array]) -> float:
-        """Return the standard deviation of the product of a signal and what is no news.
-
-        Parameters
-        ----------
-        signal
-            By stretch, in rad/s, shape (N,) each.
-        """
-        return self._covariance.unsure_along(np.concatenate(signal))
-
-    def excuses(self) -> tuple[Array, float]:
-        """Return how far what is no news has to depart, and what this makes of the noise.
-
-        Returns
-        -------
-        tuple of Array and float
-            As in `Carrier.excuses`.
-        """
-        return self._carrier.excuses(self.residual)
-
     def drop(self, effects: Sequence[Applied]) -> float:
         """Return by how much effects lower the deviance.
 
@@ -291,37 +236,6 @@ class Problem:
             The effects, beyond the model's own.
         """
         return self.deviance - self.square(self.left_rad_s(effects))
-
-    def carried(self, signal: Sequence[Array]) -> Array:
-        """Return a residual as the vector whose square is its deviance, shape (M,) or (M, K).
-
-        Parameters
-        ----------
-        signal
-            The residual of each stretch, in rad/s, shape (N,), or (N, K) for K of them at once.
-        """
-        return self._carrier.carried(np.concatenate(signal))
-
-    def square(self, signal: Sequence[Array]) -> float:
-        """Return the deviance of a residual.
-
-        Parameters
-        ----------
-        signal
-            The residual of each stretch, in rad/s, shape (N,).
-        """
-        return self._carrier.square(np.concatenate(signal))
-
-    def products(self, signals: Sequence[Sequence[Array]]) -> Array:
-        """Return the products of carried residuals with each other, shape (K, K).
-
-        Parameters
-        ----------
-        signals
-            K residuals, each by stretch, in rad/s, shape (N,).
-        """
-        parts = [np.column_stack(part) for part in zip(*signals, strict=True)]
-        return self._carrier.products(parts[0] if len(parts) == 1 else np.concatenate(parts))
 
     def _leaving(
         self, stretches: Sequence[Stretch], expected_rad_s: list[Array] | None = None
@@ -338,31 +252,3 @@ class Problem:
         other._covariance = covariance
         other._judge(self.masks)
         return other
-
-    def _judge(self, masks: Sequence[Mask]) -> None:
-        """Take the rows that count."""
-        self.masks = tuple(masks)
-        self._valid = [self._whole(mask) for mask in self.masks]
-        self._carrier = self._covariance.carrier(np.concatenate(self._valid))
-        self._take_residual()
-
-    def _take_residual(self) -> None:
-        """Carry the residual."""
-        self.residual = self.carried(self.residual_rad_s)
-        self.deviance = self.square(self.residual_rad_s)
-
-    def _whole(self, mask: Mask) -> Mask:
-        """Rows that count, and whose predecessors in the noise's memory count."""
-        whole = mask.copy()
-        for k in range(1, memory_rows(self.noise) + 1):
-            whole[k:] &= mask[:-k]
-            whole[:k] = False
-        return whole
-
-
-def _at(rows: Sequence[Mask], values: Callable[[Mask], Array]) -> list[Array]:
-    """Return values of some rows by stretch, and 0 on the others."""
-    asked = np.concatenate(rows)
-    every = np.zeros(asked.size)
-    every[asked] = values(asked)
-    return np.split(every, np.cumsum([mask.size for mask in rows])[:-1])
