@@ -63,14 +63,14 @@ def model() -> HammersteinModel:
         OperatingPoint(f, 0.0, _curve(f), (-90.0, 90.0), (None, None), NOISE_RAD_S)
         for f in known_hz
     ]
-    runs = [_driven(seed, (BELOW_HZ, ABOVE_HZ), 0.0, 0.0, 3000) for seed in (1, 2)]
+    runs = [_driven(seed, (BELOW_HZ, ABOVE_HZ), 0.0, 0.0, 3000) for seed in (1, 2, 3, 4)]
     return with_knowledge(HammersteinModel(LINEAR, tuple(points), "test"), runs)
 
 
 @pytest.fixture(scope="module")
 def at_one_frequency(model: HammersteinModel) -> HammersteinModel:
     points = tuple(p for p in model.points if p.frequency_hz == ABOVE_HZ)
-    runs = [_driven(seed, (ABOVE_HZ,), 0.0, 0.0) for seed in (1, 2)]
+    runs = [_driven(seed, (ABOVE_HZ,), 0.0, 0.0) for seed in (1, 2, 3, 4)]
     return with_knowledge(replace(model, points=points, residual={}), runs)
 
 

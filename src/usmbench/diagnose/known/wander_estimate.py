@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import helmert
+from scipy.stats import chi2
+from scipy.stats import t as student
 
 from usmbench.diagnose.known.wander import Wander, lowest_shown, wander_of_deviations
 
@@ -11,6 +13,10 @@ Array = NDArray[np.float64]
 _FEWEST = 0.5  # degrees of freedom that an estimate needs
 _MOST_ROUNDS, _AT_REST = 300, 1e-3
 _SWEEPS, _PLAUSIBLY = 3, 0.7
+# A day's gain passes for a cause beyond so many deviations (5 % over some 20 causes), and ought to
+# on one day in forty: by Student's distribution, few runs ask for a wider one. What else wanders
+# lies less along any cause, and wider would cost the names of others (docs/decisions/0006).
+_GAIN, _NAMED, _DAYS = 0, 3.0, 0.025
 _TRIED, _BEYOND = 200, 4.0  # plausible deviations: how many, and the last, of the widest
 
 
@@ -22,7 +28,8 @@ def measured_wander(widest: Wander, least: Wander, gram: Array, slope: Array) ->
     doi:10.1162/neco.1992.4.3.415). Of departures that look alike, as a gain and less friction do,
     those go that the others make unlikely. A standard deviation of few values is itself uncertain:
     the one is taken below which it lies at odds of 7 to 3, the others being as they are, and any
-    order of magnitude as plausible beforehand.
+    order of magnitude as plausible beforehand; of the gain at longer odds where few runs tell of
+    it.
 
     Parameters
     ----------
@@ -39,12 +46,13 @@ def measured_wander(widest: Wander, least: Wander, gram: Array, slope: Array) ->
     gram = np.einsum("kr,rvsw,ls->kvlw", apart, gram, apart) * unit[:, None, None] * unit
     slope = apart @ slope * unit
     floor = lowest_shown(least).deviations / unit
-    shown = (_determined(gram, slope, np.ones(unit.size), kinds)[1] > _FEWEST) & (floor < 1.0)
+    told = _determined(gram, slope, np.ones(unit.size), kinds)[1]
+    shown, odds = (told > _FEWEST) & (floor < 1.0), _below(told, kinds)
     size = np.where(shown, 1.0, least.deviations / unit)
     size = _likeliest(gram, slope, size, shown, floor, kinds)
     for kind in np.tile(np.unique(kinds[shown]), _SWEEPS):
         which = kinds == kind
-        size[which] = _plausible(gram, slope, size, which, float(floor[which][0]))
+        size[which] = _plausible(gram, slope, size, which, float(floor[which][0]), odds[which][0])
     return wander_of_deviations(size * unit, least)
 
 
@@ -93,8 +101,21 @@ def _determined(
     return alike @ np.sum(values**2, axis=0), alike @ np.sum(free, axis=0)
 
 
+def _below(determined: Array, kinds: NDArray[np.int64]) -> Array:
+    """Return the probability below which a deviation of so many values is taken, shape (W,)."""
+    free = np.maximum(determined, 1.0)
+    wider = student.isf(0.5 * _DAYS, free) / _NAMED
+    odds = np.maximum(chi2.sf(free / wider**2, free), _PLAUSIBLY)
+    return np.where(kinds == _GAIN, odds, _PLAUSIBLY)
+
+
 def _plausible(
-    gram: Array, slope: Array, size: Array, which: NDArray[np.bool_], floor: float
+    gram: Array,
+    slope: Array,
+    size: Array,
+    which: NDArray[np.bool_],
+    floor: float,
+    below: float,
 ) -> float:
     """Return what one kind's deviation is plausibly below, the others being as they are."""
     n = slope.size
@@ -107,5 +128,5 @@ def _plausible(
     seen = 1.0 + squares * np.maximum(power, 0.0)
     explained = squares * (ways.T @ toward) ** 2 / seen
     likely = 0.5 * np.sum(explained - np.log(seen), axis=1)
-    below = np.cumsum(np.exp(likely - np.max(likely)))
-    return float(np.interp(_PLAUSIBLY * below[-1], below, tried))
+    mass = np.cumsum(np.exp(likely - np.max(likely)))
+    return float(np.interp(below * mass[-1], mass, tried))

@@ -1,10 +1,12 @@
 """What a search for causes came to, and whether its names may stand."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from usmbench.diagnose.cutting.stretches import Mask
 from usmbench.diagnose.fitting.fit import NOTHING, Fit
 from usmbench.diagnose.fitting.huber_weights import huber_weights
 from usmbench.diagnose.fitting.refining import refine
@@ -84,24 +86,35 @@ class Found:
 
     @property
     def off_in_all(self) -> float:
-        """Deviance beyond the noise that the names leave in all rows, judged or not."""
-        parts = zip(self.problem.stretches, self.left_rad_s, strict=True)
-        return sum(
-            float(np.sum(((left / self.problem.noise.level_rad_s(s)) ** 2 - 1.0)[s.use]))
-            for s, left in parts
-        )
+        """Deviance beyond the noise and what is no news that the names leave in all rows."""
+        uses = [s.use for s in self.problem.stretches]
+        return self._off(self.left_rad_s, uses, self.problem.unsure_rad_s(uses))
 
     @property
     def mostly_left(self) -> bool:
         """Whether most of what is beyond the noise and all that is known stays unexplained.
 
-        A noise that has grown by so much that it is a finding itself is no noise here.
+        A noise that has grown by so much that it is a finding itself is no noise here: then all
+        that is off counts, also what another day might have done.
         """
-        n = self.problem.n_rows
-        loud = self.spread**2 if self.spread > LOUD else 1.0
-        beyond = loud * (self.beyond_noise + n) - n
-        left = beyond - loud * self.explained
-        return left > LEFT_PARTLY * max(beyond, 0.0) and left > _GROSS * n
+        if self.spread > LOUD:
+            residuals = (self.problem.residual_rad_s, self.left_rad_s)
+            certain = [np.zeros(mask.size) for mask in self.problem.masks]
+            beyond, left = (self._off(r, self.problem.masks, certain) for r in residuals)
+        else:
+            beyond, left = self.beyond_noise, self.beyond_noise - self.explained
+        return left > LEFT_PARTLY * max(beyond, 0.0) and left > _GROSS * self.problem.n_rows
+
+    def _off(
+        self, residual_rad_s: Sequence[Array], rows: Sequence[Mask], unsure_rad_s: Sequence[Array]
+    ) -> float:
+        """Squares beyond the noise, row by row."""
+        off = 0.0
+        parts = zip(self.problem.stretches, residual_rad_s, rows, unsure_rad_s, strict=True)
+        for stretch, residual, use, unsure in parts:
+            level = np.hypot(self.problem.noise.level_rad_s(stretch), unsure)
+            off += float(np.sum(((residual / level) ** 2 - 1.0)[use]))
+        return off
 
     @property
     def patched(self) -> bool:

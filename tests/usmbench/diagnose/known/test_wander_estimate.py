@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.stats import chi2
+from scipy.stats import t as student
 
 from usmbench.diagnose.known.wander import Wander, wander_of_deviations
 from usmbench.diagnose.known.wander_estimate import beside, measured_wander
@@ -33,6 +34,19 @@ def test_the_wander_is_the_spread_of_the_runs_and_what_their_number_leaves_open(
     assert found.gain_tilt[1] == pytest.approx(1e-3 * spread, rel=0.05)
     assert found.wider == pytest.approx(0.05 * 0.6 * spread, rel=0.05)
     assert found.held_back_rad_s == pytest.approx((0.2 * spread, 0.1 * spread), rel=0.05)
+
+
+@pytest.mark.parametrize(("n_runs", "least"), [(2, 0.02), (3, 0.02), (6, 0.0)])
+def test_a_gain_of_few_runs_passes_for_a_cause_on_one_day_in_forty(
+    n_runs: int, least: float
+) -> None:
+    """Beyond three deviations: by Student's t, of the spread of so many runs."""
+    apart = np.linspace(-1.0, 1.0, n_runs)[:, None] * DAY
+    runs = 0.03 * apart * WIDEST.deviations
+    found = measured_wander(WIDEST, LEAST, *_equations(runs, 1e14 * np.eye(N)))
+    spread = float(np.std(runs[:, 0], ddof=1))
+    beyond = 2.0 * student.sf(3.0 * found.gain / spread, n_runs - 1)
+    assert least < beyond < 0.03
 
 
 def test_departures_that_no_run_can_show_stay_at_the_least() -> None:

@@ -35,7 +35,7 @@ def driven(
 
 @pytest.fixture(scope="module")
 def model() -> HammersteinModel:
-    cold = [driven(k) for k in range(3)]
+    cold = [driven(k) for k in range(5)]
     return with_knowledge(identify_fast(cold, FastOptions(12)).model, cold)
 
 
