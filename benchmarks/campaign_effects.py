@@ -34,6 +34,7 @@ _NOT_IN_PROPORTION: Final = _BY_CHANCE | {
     "soft_coupling",
     "sticky_friction",
     "swapped_wires",
+    "swapped_outputs",
 }
 
 

@@ -26,7 +26,7 @@ from hil_sim.defects.shaft_compliance import SoftCoupling
 from hil_sim.defects.slow_dynamics import Flywheel
 from hil_sim.defects.speed_scale import OtherCodeWheel, WornContact
 from hil_sim.defects.stick_slip import DryBearing
-from hil_sim.defects.swapped_channels import SwappedWires
+from hil_sim.defects.swapped_channels import SwappedOutputs, SwappedWires
 from hil_sim.defects.thermal_drift import LossyCeramic
 from hil_sim.defects.transport_delay import CommandQueue
 from hil_sim.defects.unsigned_counts import DeadDirection
@@ -51,6 +51,7 @@ CATALOGUE: Final[dict[str, type[Defect]]] = {
         Spikes,
         DeadDirection,
         SwappedWires,
+        SwappedOutputs,
         SoftSupply,
         OffCrystal,
         WeakGenerator,

@@ -189,6 +189,12 @@ def test_swapped_wires_count_the_other_way() -> None:
     assert speed_rad_s("swapped_wires", phase_deg=60.0) == -speed_rad_s(phase_deg=60.0) < -5.0
 
 
+def test_swapped_outputs_turn_it_the_other_way() -> None:
+    backward = speed_rad_s("swapped_outputs", phase_deg=60.0)
+    assert backward == pytest.approx(speed_rad_s(phase_deg=-60.0), rel=0.01)
+    assert backward < -5.0
+
+
 def test_backlash_waits_after_a_reversal() -> None:
     turned = []
     for defects in ((), ("loose_coupling=40",)):

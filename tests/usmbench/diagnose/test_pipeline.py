@@ -47,6 +47,7 @@ def test_finds_nothing_where_nothing_is(model: HammersteinModel) -> None:
         (applied("load_torque", "weight", one_sided_rad_s=0.1), "one_sided_rad_s"),
         (applied("unsigned_counts", ""), None),
         (applied("swapped_channels", ""), None),
+        (applied("swapped_channels", "of the drive"), None),
         (applied("phase_quantisation", "cut to zero", step_deg=0.9), "step_deg"),
     ],
     ids=lambda value: value.effect.name if isinstance(value, Applied) else "",

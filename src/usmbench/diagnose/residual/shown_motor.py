@@ -26,11 +26,20 @@ def shown_by(stretch: Stretch, change_rad_s: Array, effects: Sequence[Applied]) 
         The effects. A grid of phases leaves them: what is known of the phases near each other is
         an average over them.
     """
-    smooth, context = [a for a in effects if not a.effect.jagged], stretch.context
-    phase_deg = through(smooth, "command", context.phase_deg, context)
+    simulated_rad_s = stretch.simulated_rad_s + change_rad_s
+    shown = replace(stretch, simulated_rad_s=simulated_rad_s)
+    set_ = [a for a in effects if a.effect.stage == "command" and not a.effect.jagged]
+    if not set_:
+        return shown
+    context = stretch.context
+    phase_deg = through(set_, "command", context.phase_deg, context)
+    settled_rad_s = context.settled_rad_s(phase_deg)
+    changed = np.arange(context.n) - stretch.lag
+    step_rad_s = np.diff(settled_rad_s, prepend=settled_rad_s[:1])[changed]
     return replace(
-        stretch,
-        simulated_rad_s=stretch.simulated_rad_s + change_rad_s,
+        shown,
+        settled_rad_s=settled_rad_s,
+        step_rad_s=step_rad_s,
         context=replace(context, phase_deg=phase_deg),
     )
 
