@@ -80,15 +80,20 @@ def leaves_scatter(problem: Problem, effects: Sequence[Applied]) -> bool:
         level = problem.noise.level_rad_s(stretch)
         left, was = left_rad_s[k] / level, problem.residual_rad_s[k] / level
         inside = mask & struck[k]
-        outside += float(np.sum(left[mask & ~struck[k]] ** 2))
-        against += float(np.sum(was[inside & (was * changes[k] < 0.0)] ** 2))
+        outside += _beyond_noise(left[mask & ~struck[k]])
+        against += _beyond_noise(was[inside & (was * changes[k] < 0.0)])
         left_inside.append(left[inside])
         speeds_rad_s.append(stretch.simulated_rad_s[inside])
     scattered = np.concatenate(left_inside)
-    scatter = float(scattered @ scattered)
+    scatter = _beyond_noise(scattered)
     if max(outside, against) >= _ELSEWHERE * scatter:
         return False
     return _foretold(scattered, np.concatenate(speeds_rad_s)) < _FORETOLD * scatter
+
+
+def _beyond_noise(values: Array) -> float:
+    """Sum of squares beyond that of a noise of 1."""
+    return float(values @ values) - values.size
 
 
 def _foretold(values: Array, speed_rad_s: Array) -> float:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from known_motor import WINDOW_S, applied, driven, identified, measured
+from known_motor import NOISE_RAD_S, WINDOW_S, applied, driven, identified, measured
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.naming.chance import leaves_scatter, scatters
@@ -188,6 +188,21 @@ def test_a_drag_at_one_speed_is_no_scatter(
     counts = _swallowed(record, share * top_rad_s / (4.0 * COUNT_RAD_S))
     for run, scattered in ((counts, True), (drag, False)):
         assert leaves_scatter(_problem(run, model), [loss]) is scattered
+
+
+@pytest.mark.parametrize(("lost", "scattered"), [((3, 0.2), True), ((1, 0.0), False)])
+def test_a_scatter_not_much_larger_than_the_noise_is_one(
+    model: HammersteinModel, lost: tuple[int, float], scattered: bool
+) -> None:
+    """The noise of all the windows that nothing strikes is none."""
+    record = _dwelling()
+    fast, sign = _fast(record), np.sign(record.speed_rad_s)
+    off_rad_s = 4.0 * NOISE_RAD_S * np.random.default_rng(5).binomial(*lost, fast.size) * fast
+    mean_rad_s = 4.0 * NOISE_RAD_S * 0.6
+    at_rad_s = float(np.min(np.abs(record.speed_rad_s[fast])))
+    size = {"share_lost": mean_rad_s / at_rad_s, "above_rad_s": at_rad_s}
+    problem = _problem(replace(record, speed_rad_s=record.speed_rad_s - sign * off_rad_s), model)
+    assert leaves_scatter(problem, [Applied(LOST, size)]) == scattered
 
 
 def test_a_smooth_loss_stands_behind_what_explains_about_as_much(model: HammersteinModel) -> None:
