@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.knowledge import Knowledge
-from usmbench.model.extended import Applied, through
+from usmbench.model.extended import Applied, linear_part, through
 
 Array = NDArray[np.float64]
 
 
 def shown_by(stretch: Stretch, change_rad_s: Array, effects: Sequence[Applied]) -> Stretch:
-    """Return a stretch as a motor with effects drives it: its phases, and the speed it simulates.
+    """Return a stretch as a motor with effects drives it: its phases, its lag, its speed.
 
     Parameters
     ----------
@@ -26,20 +26,23 @@ def shown_by(stretch: Stretch, change_rad_s: Array, effects: Sequence[Applied]) 
         The effects. A grid of phases leaves them: what is known of the phases near each other is
         an average over them.
     """
+    context = replace(stretch.context, linear=linear_part(effects, stretch.context))
     simulated_rad_s = stretch.simulated_rad_s + change_rad_s
-    shown = replace(stretch, simulated_rad_s=simulated_rad_s)
+    shown = replace(stretch, simulated_rad_s=simulated_rad_s, context=context)
     set_ = [a for a in effects if a.effect.stage == "command" and not a.effect.jagged]
     if not set_:
         return shown
-    context = stretch.context
     phase_deg = through(set_, "command", context.phase_deg, context)
     settled_rad_s = context.settled_rad_s(phase_deg)
     changed = np.arange(context.n) - stretch.lag
-    step_rad_s = np.diff(settled_rad_s, prepend=settled_rad_s[:1])[changed]
+    step_rad_s, turned_deg = (
+        np.diff(x, prepend=x[:1])[changed] for x in (settled_rad_s, phase_deg)
+    )
     return replace(
         shown,
         settled_rad_s=settled_rad_s,
         step_rad_s=step_rad_s,
+        direction=np.sign(turned_deg),
         context=replace(context, phase_deg=phase_deg),
     )
 

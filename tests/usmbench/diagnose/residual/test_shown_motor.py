@@ -34,5 +34,16 @@ def test_swapped_outputs_step_the_other_way(stretches: list[Stretch]) -> None:
     # The two directions of this motor differ by a few per cent.
     assert shown.settled_rad_s == pytest.approx(-stretch.settled_rad_s, abs=0.05 * top_rad_s)
     assert shown.step_rad_s == pytest.approx(-stretch.step_rad_s, abs=0.05 * top_rad_s)
+    assert np.array_equal(shown.direction, -stretch.direction)
     by_counter = shown_by(stretch, np.zeros(stretch.context.n), [applied("swapped_channels", "")])
     assert by_counter.step_rad_s is stretch.step_rad_s
+
+
+def test_what_is_known_of_the_curve_comes_as_late_as_the_commands(
+    stretches: list[Stretch],
+) -> None:
+    (stretch,) = stretches
+    late = [applied("transport_delay", "", delay_s=0.04)]
+    shown = shown_by(stretch, np.zeros(stretch.context.n), late)
+    before, after = (s.context.linear.dead_time_windows for s in (stretch, shown))
+    assert after == before + 4
