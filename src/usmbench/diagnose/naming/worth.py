@@ -29,6 +29,9 @@ _ITSELF = 0.9
 _REST = 0.1  # of what the views show: beside a grid, a cause leaves no more of it
 # Of what it takes from unseen blocks: what the form of a large first misses is in one fold of four.
 _ONE_FOLD = 2.0 / 3.0
+# Of what it takes from the other blocks: what makes one worse by more, and by more than patches
+# bring, is not what is wrong there.
+_WORSE = 0.1
 # That a cause has to explain better: a handful of windows are accidents. Friction that sticks shows
 # in a window or two at each of a few starts: three places (2.5, since they count by their weight).
 _FEWEST_ROWS, _FEWEST_PLACES = 8.0, 2.5
@@ -78,6 +81,9 @@ def worth_a_name(
     taken, most = float(np.sum(unseen)), float(np.max(unseen))
     # One block alone may be an accident.
     if min(taken, taken - most) <= 0.0:
+        return False
+    worse = -float(np.min(unseen))
+    if worse > max(_WORSE * (taken + worse), _SECOND_LEAST):
         return False
     if before.effects and most > _ONE_FOLD * taken:
         return False

@@ -48,8 +48,17 @@ def test_a_further_cause_is_asked_for_more(
     assert worth_a_name(problem, before, longer, np.array(unseen), First(first), 1.0) == worth
 
 
-@pytest.mark.parametrize(("unseen", "worth"), [(ONE_PLACE, True), ([0.0, 0.0, 300.0, -1.0], False)])
-def test_a_first_cause_may_hold_unevenly_but_not_in_one_place_alone(
+@pytest.mark.parametrize(
+    ("unseen", "worth"),
+    [
+        (ONE_PLACE, True),
+        ([0.0, 0.0, 300.0, -1.0], False),
+        ([900.0, 800.0, -40.0, 700.0], True),
+        ([900.0, 800.0, -400.0, 700.0], False),
+        ([9.0, 8.0, -4.0, 7.0], True),
+    ],
+)
+def test_a_first_cause_may_hold_unevenly_but_not_in_one_place_alone_nor_turn_against_one(
     problem: Problem, unseen: list[float], worth: bool
 ) -> None:
     fit = _fit(problem, LATE)
