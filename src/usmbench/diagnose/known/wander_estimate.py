@@ -16,7 +16,7 @@ _SWEEPS, _PLAUSIBLY = 3, 0.7
 # A day's gain passes for a cause beyond so many deviations (5 % over some 20 causes), and ought to
 # on one day in forty: by Student's distribution, few runs ask for a wider one. What else wanders
 # lies less along any cause, and wider would cost the names of others (docs/decisions/0006).
-_GAIN, _NAMED, _DAYS = 0, 3.0, 0.025
+_GAIN, _NAMED, _DAYS = 0, 3.0, 0.025  # the gain is the first of the kinds
 _TRIED, _BEYOND = 200, 4.0  # plausible deviations: how many, and the last, of the widest
 
 

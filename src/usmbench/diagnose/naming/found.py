@@ -97,16 +97,17 @@ class Found:
         A noise that has grown by so much that it is a finding itself is no noise here: then all
         that is off counts, also what another day might have done.
         """
+        beyond, left = self.beyond_noise, self.beyond_noise - self.explained
         if self.spread > LOUD:
-            residuals = (self.problem.residual_rad_s, self.left_rad_s)
-            certain = [np.zeros(mask.size) for mask in self.problem.masks]
-            beyond, left = (self._off(r, self.problem.masks, certain) for r in residuals)
-        else:
-            beyond, left = self.beyond_noise, self.beyond_noise - self.explained
+            residuals, masks = (self.problem.residual_rad_s, self.left_rad_s), self.problem.masks
+            beyond, left = (self._off(r, masks, [0.0] * len(masks)) for r in residuals)
         return left > LEFT_PARTLY * max(beyond, 0.0) and left > _GROSS * self.problem.n_rows
 
     def _off(
-        self, residual_rad_s: Sequence[Array], rows: Sequence[Mask], unsure_rad_s: Sequence[Array]
+        self,
+        residual_rad_s: Sequence[Array],
+        rows: Sequence[Mask],
+        unsure_rad_s: Sequence[Array | float],
     ) -> float:
         """Squares beyond the noise, row by row."""
         off = 0.0
