@@ -46,6 +46,8 @@ def foretells_nothing(problem: Problem, foretold: Sequence[Array]) -> bool:
     What fits the whitened residual may do neither where little weight lies on much of what is off.
     What the model is expected to leave is taken off first where these runs show it, since it may
     lie along a small change, or against it. Where they do not, a change may only make up for it.
+    Nor is wrong what another day most likely moves: one gain moves all rows at once. What makes the
+    simulation plainly worse is no correction of it, whatever else it fits.
 
     Parameters
     ----------
@@ -54,30 +56,38 @@ def foretells_nothing(problem: Problem, foretold: Sequence[Array]) -> bool:
     foretold
         As from `foretold_rad_s`.
     """
-    plain, beyond, change, level = (
+    left_rad_s = [r - c for r, c in zip(problem.residual_rad_s, foretold, strict=True)]
+    plain, beyond, departed, change, level = (
         np.concatenate([p[mask] for p, mask in zip(part, problem.masks, strict=True)])
         for part in (
             [s.residual_rad_s for s in problem.stretches],
             problem.residual_rad_s,
+            problem.departed_rad_s(left_rad_s),
             foretold,
             [problem.noise.level_rad_s(s) for s in problem.stretches],
         )
     )
     if float(np.sum((plain - change) ** 2)) > _GROSS * float(plain @ plain):
         return True
-    shown = float(beyond @ beyond) < float(plain @ plain)
-    residual = beyond if shown else plain
-    above = float(residual @ residual)
-    removed = float(change @ (2.0 * residual - change))
     off_rad_s = np.concatenate(problem.unsure_rad_s(problem.masks))
     no_news = float(level @ level + off_rad_s @ off_rad_s)
-    if above > _GROSS * no_news and removed < _HARDLY * (above - no_news):
+    shown = float(beyond @ beyond) < float(plain @ plain)
+    residual = beyond if shown else plain
+    news = residual - departed
+    above = float(news @ news)
+    if above > _GROSS * no_news and _removed(change, news) < _HARDLY * (above - no_news):
         return True
+    removed = _removed(change, residual)
     if not shown:
         return removed <= 0.0
     along = problem.unsure_along([c * m for c, m in zip(foretold, problem.masks, strict=True)])
     chance = 2.0 * float(np.hypot(np.linalg.norm(change * level), along))
     return removed < -_BY_CHANCE * chance
+
+
+def _removed(change_rad_s: Array, residual_rad_s: Array) -> float:
+    """By how much a change lowers a residual's sum of squares."""
+    return float(change_rad_s @ (2.0 * residual_rad_s - change_rad_s))
 
 
 def held_out_drop(problem: Problem, fit: Fit) -> Array:

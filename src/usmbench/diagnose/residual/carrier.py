@@ -106,6 +106,17 @@ class Carrier:
         beta = pull / np.sqrt(self.tension)[:, None]
         return np.asarray(white.T @ white - beta.T @ beta)
 
+    def departed(self, signal: Array) -> Array:
+        """Return by how much each of the shapes most likely departs, shape (S,).
+
+        Parameters
+        ----------
+        signal
+            The residual on all rows, in rad/s, shape (N,).
+        """
+        departed: Array = self.ways @ (self._pulled(signal)[1] / self.tension)
+        return departed
+
     def _pulled(self, signal: Array) -> tuple[Array, Array]:
         """Return whitened residuals, and how they pull at each of the ways, shape (K, …)."""
         white = np.asarray(self.whitening @ signal)

@@ -84,6 +84,18 @@ class WeighedResidual:
         """
         return self._covariance.unsure_along(np.concatenate(signal))
 
+    def departed_rad_s(self, signal: Sequence[Array]) -> list[Array]:
+        """Return what of a residual most likely is no news, by stretch, shape (N,).
+
+        Parameters
+        ----------
+        signal
+            The residual of each stretch, in rad/s, shape (N,).
+        """
+        departed = self._carrier.departed(np.concatenate(signal))
+        every = self._covariance.shapes.combined(departed)
+        return np.split(every, np.cumsum([part.size for part in signal])[:-1])
+
     def excuses(self) -> tuple[Array, float]:
         """Return how far what is no news has to depart, and what this makes of the noise.
 

@@ -71,6 +71,18 @@ def test_what_only_makes_up_for_what_is_expected_and_not_there_is_nothing(
     assert foretells_nothing(problem, [-expected])
 
 
+@pytest.mark.parametrize(("hum_rad_s", "nothing"), [(0.0, False), (0.3, True)])
+def test_a_day_of_another_gain_is_not_what_a_small_change_has_to_touch(
+    stretches: list[Stretch], known: Knowledge, hum_rad_s: float, nothing: bool
+) -> None:
+    (stretch,) = stretches
+    wanders = replace(known, wander=replace(known.wander, gain=0.01), mean=0.0 * known.mean)
+    change = change_rad_s(problem_of(wanders, stretch, np.zeros(stretch.context.n)))
+    day = 0.017 * stretch.simulated_rad_s
+    hum = hum_rad_s * np.sin(0.7 * np.arange(stretch.context.n))
+    assert foretells_nothing(problem_of(wanders, stretch, change + day + hum), [change]) == nothing
+
+
 def test_what_makes_the_simulation_plainly_worse_is_nothing(
     stretches: list[Stretch], known: Knowledge
 ) -> None:
