@@ -12,7 +12,7 @@ from usmbench.diagnose.cutting.check_runs import (
     check_run,
 )
 from usmbench.diagnose.cutting.heating import heating
-from usmbench.diagnose.cutting.stretches import Mask, Stretch, came_from
+from usmbench.diagnose.cutting.stretches import Mask, Stretch, came_from, stepped
 from usmbench.diagnose.cutting.tabled_curve import NODES_DEG, TabledCurve
 from usmbench.model.driving import driving_of, stops
 from usmbench.model.effects.base import Context
@@ -148,8 +148,7 @@ def _stretch(
     """Simulate a stretch and work out where each row stands after the last command."""
     simulated = extended_run(effects, context)
     rows, last = np.arange(context.n), dwell_begin(context.phase_deg)
-    jump_rad_s = np.diff(simulated.settled_rad_s, prepend=simulated.settled_rad_s[:1])
-    lag, step_rad_s = rows - last, jump_rad_s[last]
+    lag, step_rad_s = rows - last, stepped(simulated.settled_rad_s, last)
     # The model is no better where it still remembers how it started, or phases it does not know.
     unknown = np.maximum.accumulate(np.where(use, -1, rows))
     memory = min(memory_windows(context.linear) + 3, _LONGEST_START)
@@ -162,7 +161,7 @@ def _stretch(
         simulated.settled_rad_s,
         lag,
         step_rad_s,
-        np.sign(np.diff(context.phase_deg, prepend=context.phase_deg[:1]))[last],
+        np.sign(stepped(context.phase_deg, last)),
         np.unique(came_from(simulated.settled_rad_s, step_rad_s, lag), return_inverse=True)[1],
         rows - unknown > memory,
         *at,

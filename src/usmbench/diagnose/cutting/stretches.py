@@ -96,6 +96,19 @@ class Stretch:
         return self.speed_rad_s - self.simulated_rad_s
 
 
+def stepped(values: Array, begins: NDArray[np.int64]) -> Array:
+    """Return by how much values changed when each row's dwell began, in their unit, shape (N,).
+
+    Parameters
+    ----------
+    values
+        The values, shape (N,).
+    begins
+        The row at which each one's dwell began, shape (N,).
+    """
+    return np.diff(values, prepend=values[:1])[begins]
+
+
 def came_from(
     settled_rad_s: Array, step_rad_s: Array, lag: NDArray[np.int64]
 ) -> NDArray[np.complex128]:

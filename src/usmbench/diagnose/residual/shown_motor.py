@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.diagnose.cutting.stretches import Stretch, stepped
 from usmbench.diagnose.known.knowledge import Knowledge
 from usmbench.model.extended import Applied, linear_part, through
 
@@ -29,20 +29,17 @@ def shown_by(stretch: Stretch, change_rad_s: Array, effects: Sequence[Applied]) 
     context = replace(stretch.context, linear=linear_part(effects, stretch.context))
     simulated_rad_s = stretch.simulated_rad_s + change_rad_s
     shown = replace(stretch, simulated_rad_s=simulated_rad_s, context=context)
-    set_ = [a for a in effects if a.effect.stage == "command" and not a.effect.jagged]
-    if not set_:
+    commands = [a for a in effects if a.effect.stage == "command" and not a.effect.jagged]
+    if not commands:
         return shown
-    phase_deg = through(set_, "command", context.phase_deg, context)
+    phase_deg = through(commands, "command", context.phase_deg, context)
     settled_rad_s = context.settled_rad_s(phase_deg)
-    changed = np.arange(context.n) - stretch.lag
-    step_rad_s, turned_deg = (
-        np.diff(x, prepend=x[:1])[changed] for x in (settled_rad_s, phase_deg)
-    )
+    begins = np.arange(context.n) - stretch.lag
     return replace(
         shown,
         settled_rad_s=settled_rad_s,
-        step_rad_s=step_rad_s,
-        direction=np.sign(turned_deg),
+        step_rad_s=stepped(settled_rad_s, begins),
+        direction=np.sign(stepped(phase_deg, begins)),
         context=replace(context, phase_deg=phase_deg),
     )
 
