@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from usmbench.errors import InputError
 from usmbench.model.driving import driving
-from usmbench.model.effects.base import Context
+from usmbench.model.effects.context import Context
 from usmbench.model.extended import applied_effects, extended_run, through
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.mixed_curve import settled_speed

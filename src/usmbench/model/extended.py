@@ -8,15 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.errors import InputError
-from usmbench.model.effects.base import (
-    Context,
-    DynamicsEffect,
-    Effect,
-    Parameter,
-    Stage,
-    Values,
-    middle_rad,
-)
+from usmbench.model.effects.base import DynamicsEffect, Effect, Stage, Values
+from usmbench.model.effects.context import Context, middle_rad
+from usmbench.model.effects.parameter import Parameter
 from usmbench.model.effects.registry import find_effect
 from usmbench.model.hammerstein import LinearPart
 from usmbench.model.linear import fitted_start_rad_s, free_run, free_runs

@@ -8,7 +8,7 @@ import numpy as np
 
 from usmbench.errors import InputError
 from usmbench.model.driving import driving_of, stops
-from usmbench.model.effects.base import middle_rad
+from usmbench.model.effects.context import middle_rad
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.same_windows import check_windows
 from usmbench.model.scores import fit_percent, rmse

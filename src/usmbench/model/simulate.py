@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from usmbench.errors import InputError
 from usmbench.model.driving import ALWAYS, Driving
-from usmbench.model.effects.base import Context
+from usmbench.model.effects.context import Context
 from usmbench.model.extended import extended_run, foreseen_effects
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.mixed_curve import beyond_range, settled_speed

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from known_motor import NOISE_RAD_S, WINDOW_S, applied, driven, identified, measured
-from usmbench.diagnose import pipeline
+from usmbench.diagnose import held
 from usmbench.diagnose.naming import found as found_module
 from usmbench.diagnose.naming import stepwise
 from usmbench.diagnose.pipeline import diagnose
@@ -308,7 +308,7 @@ def test_what_predicts_worse_is_no_name(
     record = measured(12, applied("phase_offset", "", offset_deg=0.5))
     (cause,) = diagnose([record], model).causes
     assert cause.name == "phase_offset"
-    monkeypatch.setattr(pipeline, "foretells_nothing", lambda problem, foretold: True)
+    monkeypatch.setattr(held, "foretells_nothing", lambda problem, foretold: True)
     found = diagnose([record], model)
     assert found.verdict == "unexplained"
     assert found.causes == ()

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from usmbench.model.effects.base import Context
+from usmbench.model.effects.context import Context
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.effects.registry import find_effect
 from usmbench.model.extended import Applied, at_shaft_angle, counted, shaft_run, shaft_speeds

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from usmbench.identify.lag_family import LagFamily
-from usmbench.model.effects.base import Context
+from usmbench.model.effects.context import Context
 from usmbench.model.effects.slow_dynamics import SlowDynamics
 from usmbench.model.effects.transport_delay import TransportDelay
 from usmbench.model.hammerstein import LinearPart

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.model.effects.base import Context
+from usmbench.model.effects.context import Context
 
 Array = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from scipy.stats import chi2
 
-from usmbench.model.effects.base import Parameter
+from usmbench.model.effects.parameter import Parameter
 from usmbench.model.extended import Applied
 
 

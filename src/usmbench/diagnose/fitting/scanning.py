@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.residual.problem import Problem
-from usmbench.model.effects.base import Effect, Parameter
+from usmbench.model.effects.base import Effect
+from usmbench.model.effects.parameter import Parameter
 from usmbench.model.extended import Applied
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.intervals import EDGE_95
 from usmbench.diagnose.fitting.joint import Joint
 from usmbench.diagnose.residual.problem import Problem
-from usmbench.model.effects.base import Wave
+from usmbench.model.effects.parameter import Wave
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from usmbench.diagnose.cutting.warmth import n_constants
 from usmbench.diagnose.known.features import Features
 from usmbench.diagnose.known.shapes import TABLED, phase_nodes
 from usmbench.diagnose.known.unmeasured import short_of_ends_deg, unheld_rad_s, unmeasured_rad_s
-from usmbench.model.effects.base import longest_s
+from usmbench.model.effects.context import longest_s
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,8 @@ from usmbench.diagnose.evidence import Detectable
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.naming.ranking import CLEAR
 from usmbench.diagnose.residual.problem import Problem
-from usmbench.model.effects.base import Effect, Parameter
+from usmbench.model.effects.base import Effect
+from usmbench.model.effects.parameter import Parameter
 from usmbench.model.extended import Applied
 
 _POWER = 0.9

@@ -12,7 +12,9 @@ from typing import ClassVar
 import numpy as np
 from scipy.signal import lfilter
 
-from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+from usmbench.model.effects.base import Array, Effect, Values
+from usmbench.model.effects.context import Context
+from usmbench.model.effects.parameter import Parameter
 from usmbench.model.effects.resonance import AlongResonance, WithoutResonance, vibrating_less
 from usmbench.model.effects.weaker_drive import HELD_BACK, travelling, weaker
 

@@ -4,8 +4,10 @@ import math
 
 import numpy as np
 
-from usmbench.model.effects.base import Array, Context, Parameter, Values
+from usmbench.model.effects.base import Array, Values
+from usmbench.model.effects.context import Context
 from usmbench.model.effects.lone_windows import LoneWindows, SporadicEffect, Weighed
+from usmbench.model.effects.parameter import Parameter
 
 _SEED = 20_240_229
 

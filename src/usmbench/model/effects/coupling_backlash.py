@@ -4,7 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+from usmbench.model.effects.base import Array, Effect, Values
+from usmbench.model.effects.context import Context
+from usmbench.model.effects.parameter import Parameter
 from usmbench.model.effects.play import passed_on
 
 

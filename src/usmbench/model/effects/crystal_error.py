@@ -1,6 +1,8 @@
 """The generator's crystal is off: both drive frequencies are."""
 
-from usmbench.model.effects.base import Array, Context, Parameter, Values
+from usmbench.model.effects.base import Array, Values
+from usmbench.model.effects.context import Context
+from usmbench.model.effects.parameter import Parameter
 from usmbench.model.effects.resonance import AlongResonance, detuned
 from usmbench.model.effects.weaker_drive import WeakerDrive
 

@@ -6,8 +6,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+from usmbench.model.effects.base import Array, Effect, Values
+from usmbench.model.effects.context import Context
 from usmbench.model.effects.later_start import WIDER, LaterStart, beyond, standing_rad_s
+from usmbench.model.effects.parameter import Parameter
 from usmbench.model.effects.play import last_way, passed_on
 
 _AT_START = 1.5  # windows: up to then a run is at its beginning, and its rotor at rest

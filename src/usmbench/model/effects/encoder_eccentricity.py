@@ -4,7 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values, Wave, middle_rad
+from usmbench.model.effects.base import Array, Effect, Values
+from usmbench.model.effects.context import Context, middle_rad
+from usmbench.model.effects.parameter import Parameter, Wave
 
 _TURNS = 0.1  # an arc in which a ripple bends by a twentieth of itself
 _ROUNDS = 12  # in each the shaft's angle comes nearer by the ripple's share

@@ -4,7 +4,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+from usmbench.model.effects.base import Array, Effect, Values
+from usmbench.model.effects.context import Context
+from usmbench.model.effects.parameter import Parameter
 
 _MEANING = "The motor is faster in one direction than in the other, against the simulation."
 _MEND = "Compare the two channels' amplitudes, and swap them: the fast direction must swap too."

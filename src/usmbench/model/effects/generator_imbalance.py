@@ -2,7 +2,9 @@
 
 from dataclasses import replace
 
-from usmbench.model.effects.base import Array, Context, Parameter, Values
+from usmbench.model.effects.base import Array, Values
+from usmbench.model.effects.context import Context
+from usmbench.model.effects.parameter import Parameter
 from usmbench.model.effects.resonance import AlongResonance, vibrating_less
 from usmbench.model.effects.weaker_drive import HELD_BACK, WeakerDrive
 

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+from usmbench.model.effects.base import Array, Effect, Values
+from usmbench.model.effects.context import Context
+from usmbench.model.effects.parameter import Parameter
 
 _STANDING = 0.01  # share of the highest settled speed of the stretch below which the rotor stands
 _MANY_PHASES = 100

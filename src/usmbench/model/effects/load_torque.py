@@ -9,7 +9,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+from usmbench.model.effects.base import Array, Effect, Values
+from usmbench.model.effects.context import Context
+from usmbench.model.effects.parameter import Parameter
 
 _MEANING = "A steady torque acts on the shaft that the simulation does not know."
 _MEND = "Look for a weight, a rubbing seal, a misaligned coupling or a brake that is not quite off."

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import binom, chi2
 
-from usmbench.model.effects.base import Array, Context, Effect
+from usmbench.model.effects.base import Array, Effect
+from usmbench.model.effects.context import Context
 
 Interval = tuple[float, float, float]
 

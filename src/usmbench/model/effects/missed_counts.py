@@ -5,8 +5,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+from usmbench.model.effects.base import Array, Effect, Values
+from usmbench.model.effects.context import Context
 from usmbench.model.effects.lone_windows import LoneWindows, SporadicEffect, Weighed
+from usmbench.model.effects.parameter import Parameter
 
 _MEANING = "The counter loses counts above some speed."
 _MEND = "Check the counter's filter and input rate, the encoder's supply, and its cable."

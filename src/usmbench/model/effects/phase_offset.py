@@ -1,6 +1,8 @@
 """The two drive phases are not where they are commanded."""
 
-from usmbench.model.effects.base import DEFINITION, Array, Context, Effect, Parameter, Values
+from usmbench.model.effects.base import DEFINITION, Array, Effect, Values
+from usmbench.model.effects.context import Context
+from usmbench.model.effects.parameter import Parameter
 
 
 class PhaseOffset(Effect):

@@ -5,7 +5,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from usmbench.model.effects.base import DEFINITION, Array, Context, Effect, Parameter, Values
+from usmbench.model.effects.base import DEFINITION, Array, Effect, Values
+from usmbench.model.effects.context import Context
+from usmbench.model.effects.parameter import Parameter
 
 _MEANING = "The generator sets the phase on a coarse grid instead of where it is commanded."
 _MEND = "Read the generator's phase register back, and check how many of its bits are written."

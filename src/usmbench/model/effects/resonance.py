@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from usmbench.errors import InputError
-from usmbench.model.effects.base import Array, Context, Effect
+from usmbench.model.effects.base import Array, Effect
+from usmbench.model.effects.context import Context
 
 _KNOWN = "the model knows the resonance curve, along which another form goes"
 _UNKNOWN = "the model knows one drive frequency only; identify it on runs at several, near each"

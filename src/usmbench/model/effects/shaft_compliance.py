@@ -9,7 +9,9 @@ import numpy as np
 from scipy.linalg import companion, expm
 from scipy.signal import lfilter, ss2tf
 
-from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+from usmbench.model.effects.base import Array, Effect, Values
+from usmbench.model.effects.context import Context
+from usmbench.model.effects.parameter import Parameter
 from usmbench.model.linear import time_constant_s
 
 Filter = tuple[Array, Array]

@@ -6,8 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from usmbench.model.effects.base import Array, Context, DynamicsEffect, Parameter, Values
+from usmbench.model.effects.base import Array, DynamicsEffect, Values
+from usmbench.model.effects.context import Context
 from usmbench.model.effects.first_order import lag_of
+from usmbench.model.effects.parameter import Parameter
 from usmbench.model.hammerstein import LinearPart
 
 _FASTEST = 1e-3  # a pole nearer to 0 is no lag at this window

@@ -8,14 +8,14 @@ from usmbench.model.effects.base import (
     DEFINITION,
     PHYSICS,
     Array,
-    Context,
     DynamicsEffect,
     Effect,
-    Parameter,
     Stage,
     Values,
 )
+from usmbench.model.effects.context import Context
 from usmbench.model.effects.first_order import lag_of
+from usmbench.model.effects.parameter import Parameter
 from usmbench.model.hammerstein import LinearPart
 
 

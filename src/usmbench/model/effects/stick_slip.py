@@ -4,8 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+from usmbench.model.effects.base import Array, Effect, Values
+from usmbench.model.effects.context import Context
 from usmbench.model.effects.later_start import WIDER
+from usmbench.model.effects.parameter import Parameter
 
 
 class StickSlip(Effect):

@@ -4,7 +4,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from usmbench.model.effects.base import DEFINITION, Array, Context, Effect, Parameter, Stage, Values
+from usmbench.model.effects.base import DEFINITION, Array, Effect, Stage, Values
+from usmbench.model.effects.context import Context
+from usmbench.model.effects.parameter import Parameter
 
 
 class SwappedChannels(Effect):

@@ -6,7 +6,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values, longest_s
+from usmbench.model.effects.base import Array, Effect, Values
+from usmbench.model.effects.context import Context, longest_s
+from usmbench.model.effects.parameter import Parameter
 from usmbench.model.effects.resonance import AlongResonance, WithoutResonance, detuned
 from usmbench.model.effects.weaker_drive import weaker
 

@@ -4,15 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from usmbench.model.effects.base import (
-    DEFINITION,
-    Array,
-    Context,
-    DynamicsEffect,
-    Parameter,
-    Values,
-)
+from usmbench.model.effects.base import DEFINITION, Array, DynamicsEffect, Values
+from usmbench.model.effects.context import Context
 from usmbench.model.effects.first_order import later
+from usmbench.model.effects.parameter import Parameter
 from usmbench.model.hammerstein import LinearPart
 
 

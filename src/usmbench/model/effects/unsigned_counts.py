@@ -7,7 +7,9 @@ from typing import ClassVar
 import numpy as np
 from scipy.signal import lfilter
 
-from usmbench.model.effects.base import Array, Context, Effect, Parameter, Values
+from usmbench.model.effects.base import Array, Effect, Values
+from usmbench.model.effects.context import Context
+from usmbench.model.effects.parameter import Parameter
 
 # Shares of the highest speed: what is less may be noise, or a model's ringing.
 _MEASURED_BACKWARDS, _SIMULATED_BACKWARDS = 0.1, 0.3

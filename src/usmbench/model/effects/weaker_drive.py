@@ -2,7 +2,9 @@
 
 import numpy as np
 
-from usmbench.model.effects.base import Array, Context, Parameter, Values
+from usmbench.model.effects.base import Array, Values
+from usmbench.model.effects.context import Context
+from usmbench.model.effects.parameter import Parameter
 from usmbench.model.effects.resonance import WithoutResonance
 
 HELD_BACK = Parameter(

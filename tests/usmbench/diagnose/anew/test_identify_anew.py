@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.result import Diagnosis
 from usmbench.identify.fast import FastOptions, identify_fast
-from usmbench.model.effects.base import Context
+from usmbench.model.effects.context import Context
 from usmbench.model.effects.registry import find_effect
 from usmbench.model.extended import Applied, counted
 from usmbench.model.hammerstein import LinearPart

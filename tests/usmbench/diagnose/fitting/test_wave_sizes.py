@@ -10,7 +10,7 @@ from usmbench.diagnose.fitting.refining import refine
 from usmbench.diagnose.fitting.wave_sizes import polar, wave_sizes
 from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.residual.problem import Problem
-from usmbench.model.effects.base import Wave
+from usmbench.model.effects.parameter import Wave
 
 WAVE = Wave("ripple", "cosine", "sine", "a share")
 

@@ -12,7 +12,8 @@ from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.naming.worth import First, worth_a_name
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.whole import Whole
-from usmbench.model.effects.base import Array, Context, Effect, Values
+from usmbench.model.effects.base import Array, Effect, Values
+from usmbench.model.effects.context import Context
 from usmbench.model.extended import Applied
 
 LATE = applied("transport_delay", "", delay_s=0.006)

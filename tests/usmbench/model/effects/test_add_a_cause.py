@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from usmbench.errors import InputError
-from usmbench.model.effects.base import Context
+from usmbench.model.effects.context import Context
 from usmbench.model.effects.registry import find_effect, library
 from usmbench.model.extended import Applied, applied_effects, extended_run
 from usmbench.model.hammerstein import LinearPart

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from usmbench.errors import InputError
 from usmbench.model.effects.amplitude_droop import FORMS as DROOP
-from usmbench.model.effects.base import Context
+from usmbench.model.effects.context import Context
 from usmbench.model.effects.crystal_error import FORMS as CRYSTAL
 from usmbench.model.effects.generator_imbalance import FORMS as IMBALANCE
 from usmbench.model.effects.registry import find_effect

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from usmbench.model.effects.base import Context, Effect
+from usmbench.model.effects.base import Effect
+from usmbench.model.effects.context import Context
 from usmbench.model.effects.dead_zone_hysteresis import (
     FORMS,
     AtRest,

@@ -5,7 +5,8 @@ import pytest
 from numpy.typing import NDArray
 
 from usmbench.errors import InputError
-from usmbench.model.effects.base import Context, Effect
+from usmbench.model.effects.base import Effect
+from usmbench.model.effects.context import Context
 from usmbench.model.effects.registry import find_effect, library
 from usmbench.model.extended import Applied, applied_effects, extended_run
 from usmbench.model.hammerstein import LinearPart

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.reference import with_knowledge
 from usmbench.identify.fast import FastOptions, identify_fast
-from usmbench.model.effects.base import Context
+from usmbench.model.effects.context import Context
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.effects.load_torque import DragAlongBend, WeightAlongBend
 from usmbench.model.hammerstein import HammersteinModel

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from usmbench.model.effects.base import Context
+from usmbench.model.effects.context import Context
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.effects.registry import find_effect
 from usmbench.model.linear import time_constant_s

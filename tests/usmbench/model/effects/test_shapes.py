@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from usmbench.model.effects import dead_zone_hysteresis, encoder_eccentricity, speed_scale
-from usmbench.model.effects.base import Context
+from usmbench.model.effects.context import Context
 from usmbench.model.effects.coupling_backlash import CouplingBacklash
 from usmbench.model.effects.first_order import (
     Lag,

@@ -1,0 +1,57 @@
+"""What was found, as far as it stands."""
+
+from dataclasses import dataclass
+
+from usmbench.diagnose.fitting.foretold import foretells_nothing, foretold_rad_s
+from usmbench.diagnose.fitting.gain import Gain, held_out_gain
+from usmbench.diagnose.naming.found import Found, verdict_on
+from usmbench.diagnose.naming.sporadic import Sporadic, find_sporadic
+from usmbench.diagnose.residual.whole import PLAINLY
+from usmbench.diagnose.result import Verdict
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """What was found, as far as it stands and predicts rows that its fit has not seen.
+
+    Parameters
+    ----------
+    found
+        What the search came to, without names that do not stand.
+    verdict
+        What is said of it.
+    sporadic
+        The cause of windows that stand alone; None for none.
+    gain
+        What the names gain on rows that their values were not fitted on.
+    """
+
+    found: Found
+    verdict: Verdict
+    sporadic: Sporadic | None
+    gain: Gain
+
+
+def held(found: Found) -> Held:
+    """Judge what was found, and once more without the names where they gain nothing.
+
+    Parameters
+    ----------
+    found
+        What the search came to.
+    """
+    sporadic = find_sporadic(found.problem, found.fit.effects, found.spread)
+    if sporadic is not None and sporadic.named.name in {r[0].effect.name for r in found.named}:
+        sporadic = None
+    says = verdict_on(found, sporadic)
+    stands = says in ("explained", "partly_explained")
+    if not stands:
+        found, sporadic = found.without_names, None
+    scattered = found.scattered
+    if scattered is not found and scattered.after.p_value > PLAINLY:
+        says = "explained"
+    foretold = foretold_rad_s(scattered.problem, scattered.fit)
+    if found.named and foretells_nothing(scattered.problem, foretold):
+        return held(found.without_names)
+    gain = held_out_gain(scattered.problem, foretold, alone=sporadic is not None)
+    return Held(scattered, says, sporadic, gain)
