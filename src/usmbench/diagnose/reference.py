@@ -33,7 +33,8 @@ from usmbench.runs.record import Record
 
 Array = NDArray[np.float64]
 
-_ROUNDS = 3
+_FEWEST_ROUNDS, _MOST_ROUNDS = 3, 12
+_SETTLED = 0.2  # of each deviation: what is learnt goes with what the runs wander by
 _MANY_ROWS = 3000
 _NO_CHANCE = 30.0  # a deviance that no chance explains
 
@@ -126,7 +127,7 @@ def measure_knowledge(stretches: Sequence[Stretch], habits: Sequence[Applied] = 
     mean = np.zeros_like(features.prior)
     widest, least = (wander_of_shares(shares, features) for shares in (ANY, LEAST))
     wander, apart = widest, [departures(s, habits, features.n_constants) for s in stretches]
-    for _ in range(_ROUNDS):
+    for done in range(_MOST_ROUNDS):
         far = spiked(stretches, left, noise, near_steps=True)
         masks = [use & ~f for use, f in zip(uses, far, strict=True)]
         own = [departed * wander.deviations for departed in apart]
@@ -140,6 +141,9 @@ def measure_knowledge(stretches: Sequence[Stretch], habits: Sequence[Applied] = 
         gram = learnt.gram / unit[:, None, None] / unit
         wander = measured_wander(widest, least, gram, learnt.slope / unit)
         noise = estimate_noise(stretches, left, masks, fitted)
+        settled = np.allclose(wander.deviations, unit, rtol=_SETTLED, atol=0.0)
+        if settled and done + 1 >= _FEWEST_ROUNDS:
+            break
     far = spiked(stretches, left, noise, near_steps=True, times=PLAIN)
     far = off_steps(stretches, left, far)
     n_spikes, n_steady = count_steady(stretches, far)

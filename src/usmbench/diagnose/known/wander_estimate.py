@@ -10,6 +10,7 @@ from usmbench.diagnose.known.wander import Wander, lowest_shown, wander_of_devia
 
 Array = NDArray[np.float64]
 
+_ANYWHERE = 10.0  # of the widest deviations: nothing says where the mean of the runs lies
 _FEWEST = 0.5  # degrees of freedom that an estimate needs
 _MOST_ROUNDS, _AT_REST = 300, 1e-3
 _SWEEPS, _PLAUSIBLY = 3, 0.7
@@ -41,10 +42,8 @@ def measured_wander(widest: Wander, least: Wander, gram: Array, slope: Array) ->
     """
     if slope.shape[0] < 2:
         return least
-    apart = helmert(slope.shape[0])  # the mean belongs to the model
     unit, kinds = widest.deviations, widest.kinds
-    gram = np.einsum("kr,rvsw,ls->kvlw", apart, gram, apart) * unit[:, None, None] * unit
-    slope = apart @ slope * unit
+    gram, slope = _from_mean(gram * unit[:, None, None] * unit, slope * unit)
     floor = lowest_shown(least).deviations / unit
     told = _determined(gram, slope, np.ones(unit.size), kinds)[1]
     shown, odds = (told > _FEWEST) & (floor < 1.0), _below(told, kinds)
@@ -69,6 +68,21 @@ def beside(gram: Array, slope: Array, own: NDArray[np.bool_]) -> tuple[Array, Ar
     learnt = np.linalg.solve(gram[~own][:, ~own], np.c_[gram[~own][:, own], slope[~own]])
     left = np.c_[gram[own][:, own], slope[own]] - gram[own][:, ~own] @ learnt
     return left[:, :-1], left[:, -1]
+
+
+def _from_mean(gram: Array, slope: Array) -> tuple[Array, Array]:
+    """Return the normal equations of R − 1 contrasts between runs, their mean learnt beside them.
+
+    The mean belongs to the model. That the runs add up to nothing would not do: where one of them
+    shows nothing of a departure, it would have to make up for what the others have in common.
+    """
+    apart, common = helmert(slope.shape[0]), gram.sum(axis=2)
+    mean = common.sum(axis=0) + np.eye(slope.shape[1]) / _ANYWHERE**2
+    along = np.tensordot(apart, common, 1)
+    toward = np.tensordot(along, np.linalg.inv(mean), 1)
+    contrasts = np.einsum("kr,rvsw,ls->kvlw", apart, gram, apart)
+    left = contrasts - np.tensordot(toward, along.transpose(2, 0, 1), 1)
+    return left, apart @ slope - toward @ slope.sum(axis=0)
 
 
 def _likeliest(

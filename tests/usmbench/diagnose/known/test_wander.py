@@ -1,5 +1,8 @@
 """What differs from run to run: what moves with it, how far, and that it is no news."""
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -29,6 +32,22 @@ def test_a_gain_that_wanders_but_for_the_slip_is_no_news(plain: HammersteinModel
     model = with_knowledge(plain, [driven(k, 1.0 + g, 1.0) for k, g in enumerate(off, start=10)])
     for seed, gain in ((1, 1.014), (2, 0.987), (3, 1.006)):
         assert diagnose([driven(seed, gain, 1.0)], model).verdict == "no_discrepancy"
+
+
+@pytest.mark.parametrize(("halvings", "rounds"), [(1, 3), (4, 5)])
+def test_what_runs_wander_by_is_learnt_until_it_settles(
+    plain: HammersteinModel, monkeypatch: pytest.MonkeyPatch, halvings: int, rounds: int
+) -> None:
+    gains: list[float] = []
+
+    def measured(widest: Wander, *_: Any) -> Wander:
+        gains.append(widest.gain * 0.5 ** min(len(gains) + 1, halvings))
+        return replace(widest, gain=gains[-1])
+
+    monkeypatch.setattr("usmbench.diagnose.reference.measured_wander", measured)
+    model = with_knowledge(plain, [driven(1, 1.0, 1.0)])
+    assert len(gains) == rounds
+    assert wander_from_mapping(model.residual["diagnosis"]).gain == gains[-1]
 
 
 def test_friction_wanders_at_each_operating_point_by_its_own_amount(

@@ -57,6 +57,20 @@ def test_departures_that_no_run_can_show_stay_at_the_least() -> None:
     assert found.gain == LEAST.gain
 
 
+@pytest.mark.parametrize("common", [0.3, 6.0])
+@pytest.mark.parametrize("blind", [False, True])
+def test_what_runs_have_in_common_is_no_wander_where_one_shows_nothing_of_it(
+    common: float, blind: bool
+) -> None:
+    apart = 0.01 * np.random.default_rng(6).standard_normal((6, N))
+    gram, slope = _equations((common + apart) * WIDEST.deviations, 1e14 * np.eye(N))
+    if blind:
+        gram[-1], slope[-1] = 0.0, 0.0
+    found = measured_wander(WIDEST, LEAST, gram, slope)
+    assert found.gain < 0.03 * WIDEST.gain
+    assert found.stuck_rad_s < 0.08 * WIDEST.stuck_rad_s  # the least is 0.05
+
+
 @pytest.mark.parametrize("alike", [0.0, 0.99])
 def test_departures_that_look_alike_wander_by_no_more_than_they_do_together(alike: float) -> None:
     # Apart, gain and tilt are seven times as unsure as what they do together.
