@@ -232,4 +232,4 @@ def _on_named(found: Found) -> Verdict:
         if not leaves_scatter(found.problem, found.fit.effects):
             return "unexplained"
         return "partly_explained"
-    return says
+    return on_nothing_named(found) if found.leaves_more else says

@@ -39,6 +39,21 @@ def test_scatter_excuses_a_name_beside_less_than_it_explains(
 
 
 @pytest.mark.parametrize(
+    ("left", "verdict"),
+    [(0.04, "partly_explained"), (0.06, "no_discrepancy")],
+    ids=["less", "more"],
+)
+def test_a_name_that_leaves_more_than_it_explains_is_none(left: float, verdict: str) -> None:
+    """However small both are: something else is the matter."""
+    problem = judged(1.0)
+    weight = applied("load_torque", "weight", one_sided_rad_s=0.01)
+    fit = Fit((weight,), 0.05 * problem.n_rows, 0.0)
+    named = [[Ranked(weight.effect, fit, fit.statistic, 0.0, fit.statistic)]]
+    before, after = (Whole(share * problem.n_rows, 1e-9, problem.n_rows) for share in (0.1, left))
+    assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), None) == verdict
+
+
+@pytest.mark.parametrize(
     ("asymmetry", "verdict"), [(0.3, "explained"), (1.5, "unexplained"), (-1.5, "unexplained")]
 )
 def test_a_size_that_is_all_it_may_be_is_no_explanation(asymmetry: float, verdict: str) -> None:
