@@ -77,12 +77,9 @@ def foretells_nothing(problem: Problem, foretold: Sequence[Array]) -> bool:
     above = float(news @ news)
     if above > _GROSS * no_news and _removed(change, news) < _HARDLY * (above - no_news):
         return True
-    removed = _removed(change, residual)
-    if not shown:
-        return removed <= 0.0
     along = problem.unsure_along([c * m for c, m in zip(foretold, problem.masks, strict=True)])
     chance = 2.0 * float(np.hypot(np.linalg.norm(change * level), along))
-    return removed < -_BY_CHANCE * chance
+    return _removed(change, residual) < -_BY_CHANCE * chance
 
 
 def _removed(change_rad_s: Array, residual_rad_s: Array) -> float:

@@ -83,6 +83,18 @@ def test_a_day_of_another_gain_is_not_what_a_small_change_has_to_touch(
     assert foretells_nothing(problem_of(wanders, stretch, change + day + hum), [change]) == nothing
 
 
+@pytest.mark.parametrize(("day", "nothing"), [(-0.02, False), (0.02, False), (-0.04, True)])
+def test_a_day_of_another_gain_may_lie_against_a_small_change(
+    stretches: list[Stretch], known: Knowledge, day: float, nothing: bool
+) -> None:
+    """Though it hides what the model is expected to leave, as far as such days are likely."""
+    (stretch,) = stretches
+    wanders = replace(known, wander=replace(known.wander, gain=0.01))
+    change = change_rad_s(problem_of(wanders, stretch, np.zeros(stretch.context.n)))
+    problem = problem_of(wanders, stretch, change + day * stretch.simulated_rad_s)
+    assert foretells_nothing(problem, [change]) == nothing
+
+
 def test_what_makes_the_simulation_plainly_worse_is_nothing(
     stretches: list[Stretch], known: Knowledge
 ) -> None:
