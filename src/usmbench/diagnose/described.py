@@ -96,7 +96,7 @@ def _warnings(held: Held) -> Iterator[str]:
         )
     else:
         yield from left_unnamed(found.problem, found.fit.effects, found.spread)
-    yield from warm_warnings(found.problem.known.began_warm)
+    yield from warm_warnings(found.problem.known.began_warm, found.if_cold)
     wander = found.problem.known.wander
     if wander.knows_warming:
         yield from long_warming(found.problem.stretches, wander.n_constants)

@@ -41,7 +41,7 @@ def held(found: Found) -> Held:
         What the search came to.
     """
     sporadic = find_sporadic(found.problem, found.fit.effects, found.spread)
-    if sporadic is not None and sporadic.named.name in {r[0].effect.name for r in found.named}:
+    if sporadic is not None and sporadic.named.name in found.names:
         sporadic = None
     says = verdict_on(found, sporadic)
     stands = says in ("explained", "partly_explained")

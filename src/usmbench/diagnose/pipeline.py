@@ -64,14 +64,18 @@ def searched(stretches: Sequence[Stretch], model: HammersteinModel) -> Found:
     known = replace(known, wander=replace(known.wander, late_s=late_s))
     marked, own = at_unknown_moments(stretches, late_s), own_effects(model)
     found = search(marked, known, own, effects)
-    if verdict_on(found, None) == "no_discrepancy":
+    says = verdict_on(found, None)
+    if says == "no_discrepancy":
         return found
     start = WarmStart.of(found)
     names = start.names
     if not names:
         return found
     warm = search(marked, replace(known, began_warm=names), own, effects)
-    return warm if start.tells_more(warm) else found
+    if not start.tells_more(warm):
+        return found
+    if_cold = () if says == "unexplained" else found.names
+    return replace(warm, if_cold=tuple(name for name in if_cold if name not in warm.names))
 
 
 def _diagnosed(

@@ -111,18 +111,21 @@ class WarmStart:
         return float(without @ without - left @ left) / self.cold.spread**2
 
 
-def warm_warnings(names: Sequence[str]) -> list[str]:
+def warm_warnings(names: Sequence[str], if_cold: Sequence[str]) -> list[str]:
     """Say which runs look as if they had begun with a warm motor.
 
     Parameters
     ----------
     names
         Their names.
+    if_cold
+        Names of causes that would stand if they had not.
     """
+    otherwise = f"; if it was cold, {' and '.join(if_cold)} would stand" if if_cold else ""
     return [
         f"{name}: as if the motor had been warm when the run began, other than in the runs of the "
         "model; that is no news: let it cool before a run, or identify a model on runs that begin "
-        "as warm"
+        f"as warm{otherwise}"
         for name in names
     ]
 

@@ -59,6 +59,8 @@ class Found:
         All named causes together.
     before, after
         The tests over all views.
+    if_cold
+        Names that would stand if no run had begun with a warm motor.
     """
 
     problem: Problem
@@ -68,6 +70,12 @@ class Found:
     fit: Fit
     before: Whole
     after: Whole
+    if_cold: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the causes, in the order of `named`."""
+        return tuple(ranking[0].effect.name for ranking in self.named)
 
     @property
     def explained(self) -> float:

@@ -44,6 +44,7 @@ def test_a_run_that_begins_warm_is_no_news_and_said_to_be_warm(model: Hammerstei
     assert (found.verdict, found.causes) == ("no_discrepancy", ())
     (said,) = (w for w in found.warnings if "warm when the run began" in w)
     assert said.startswith("run 11: ")
+    assert "if it was cold, " in said
 
 
 def test_a_drag_is_named_beside_a_warm_start(model: HammersteinModel) -> None:
