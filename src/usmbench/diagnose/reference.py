@@ -123,8 +123,7 @@ def measure_knowledge(stretches: Sequence[Stretch], habits: Sequence[Applied] = 
     free = np.where(np.array(features.groups) == "phase", features.top_rad_s, features.prior)
     fitted = [part * free for part in shapes] if few else None
     noise = estimate_noise(stretches, residuals, uses, fitted)
-    left, masks = residuals, uses
-    mean = np.zeros_like(features.prior)
+    left = residuals
     widest, least = (wander_of_shares(shares, features) for shares in (ANY, LEAST))
     wander, apart = widest, [departures(s, habits, features.n_constants) for s in stretches]
     for done in range(_MOST_ROUNDS):
@@ -132,9 +131,8 @@ def measure_knowledge(stretches: Sequence[Stretch], habits: Sequence[Applied] = 
         masks = [use & ~f for use, f in zip(uses, far, strict=True)]
         own = [departed * wander.deviations for departed in apart]
         learnt = learn(features, stretches, shapes, noise, masks, own)
-        mean = learnt.mean
         left = [
-            r - part @ mean - o @ learnt.runs[s.run]
+            r - part @ learnt.mean - o @ learnt.runs[s.run]
             for s, r, part, o in zip(stretches, residuals, shapes, own, strict=True)
         ]
         unit = wander.deviations
@@ -151,4 +149,4 @@ def measure_knowledge(stretches: Sequence[Stretch], habits: Sequence[Applied] = 
     wander = replace(wander, late_s=max(wander.late_s, any_s))
     entries = tuple(applied.to_mapping() for applied in habits)
     root = covariance_root(features, learnt)
-    return Knowledge(noise, features, mean, root, wander, n_spikes / used_s, entries)
+    return Knowledge(noise, features, learnt.mean, root, wander, n_spikes / used_s, entries)

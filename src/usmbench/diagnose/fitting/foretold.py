@@ -45,7 +45,8 @@ def foretells_nothing(problem: Problem, foretold: Sequence[Array]) -> bool:
 
     What fits the whitened residual may do neither where little weight lies on much of what is off.
     What the model is expected to leave is taken off first where these runs show it, since it may
-    lie along a small change, or against it. Where they do not, a change may only make up for it.
+    lie along a small change, or against it. Where they do not, the plain residual counts: a change
+    may only make up for it.
     Nor is wrong what another day most likely moves: one gain moves all rows at once. What makes the
     simulation plainly worse is no correction of it, whatever else it fits.
 
@@ -71,8 +72,7 @@ def foretells_nothing(problem: Problem, foretold: Sequence[Array]) -> bool:
         return True
     off_rad_s = np.concatenate(problem.unsure_rad_s(problem.masks))
     no_news = float(level @ level + off_rad_s @ off_rad_s)
-    shown = float(beyond @ beyond) < float(plain @ plain)
-    residual = beyond if shown else plain
+    residual = beyond if float(beyond @ beyond) < float(plain @ plain) else plain
     news = residual - departed
     above = float(news @ news)
     if above > _GROSS * no_news and _removed(change, news) < _HARDLY * (above - no_news):

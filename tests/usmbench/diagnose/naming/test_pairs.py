@@ -40,7 +40,7 @@ def test_a_register_and_an_offset_are_both_named(
 ) -> None:
     found = searched(_stretches(model, COARSE, _offset(offset_deg)), model)
     values = {a.effect.name: a.values for a in found.fit.effects}
-    assert sorted(r[0].effect.name for r in found.named) == ["phase_offset", "phase_quantisation"]
+    assert sorted(found.names) == ["phase_offset", "phase_quantisation"]
     assert values["phase_quantisation"]["step_deg"] == pytest.approx(STEP_DEG, rel=5e-3)
     assert values["phase_offset"]["offset_deg"] == pytest.approx(offset_deg, abs=0.02)
 
@@ -56,7 +56,7 @@ def test_an_offset_and_teeth_that_lean_are_both_named(
     lean = applied("gain_asymmetry", "balanced", asymmetry=asymmetry)
     found = searched(_stretches(model, _offset(offset_deg), lean, stairs=True), model)
     values = {a.effect.name: a.values for a in found.fit.effects}
-    assert sorted(r[0].effect.name for r in found.named) == ["gain_asymmetry", "phase_offset"]
+    assert sorted(found.names) == ["gain_asymmetry", "phase_offset"]
     assert values["phase_offset"]["offset_deg"] == pytest.approx(offset_deg, abs=0.02)
     assert values["gain_asymmetry"]["asymmetry"] == pytest.approx(asymmetry, abs=1e-3)
 

@@ -30,7 +30,7 @@ def _searched(record: Record, model: HammersteinModel) -> Found:
 
 
 def _names(found: Found) -> set[str]:
-    return {ranking[0].effect.name for ranking in found.named}
+    return set(found.names)
 
 
 def _judged(found: Found, rows: NDArray[np.intp]) -> NDArray[np.bool_]:
