@@ -48,5 +48,16 @@ class Fit:
         sides = 0.5 if u > 0.0 and len(sized) == 1 and sized[0].one_way else 1.0
         return min(sides * tail, 1.0)
 
+    @property
+    def searched(self) -> float:
+        """Deviance that pays for the scan: chance brings as much so much more often than without.
+
+        Twice the logarithm of by how much the scan raises `p_value`, the tail of chi-squared taken
+        as what it tends to.
+        """
+        half, n = 0.5 * max(self.statistic, 0.0), max(len(self.sized), 1)
+        times = self.roughness / math.pi * math.gamma(0.5 * n) * max(half, 1.0) ** (1.0 - 0.5 * n)
+        return 2.0 * math.log1p(times)
+
 
 NOTHING = Fit((), 0.0, 0.0)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 from usmbench.diagnose.fitting.fit import Fit
@@ -98,9 +98,9 @@ def rank(
             misfit = max(_MISFIT, telling_deviance(statistic))
         elif _passes_for_it(effect, statistic, brings):
             misfit = statistic
-        alone = Fit(fit.effects[-1:], statistic - misfit, fit.roughness)
-        p_value = min(1.0, alone.p_value * len(effects))
-        score = statistic - misfit - _price(effect, price)
+        alone = Fit(fit.effects[-1:], statistic, fit.roughness)
+        p_value = min(1.0, replace(alone, statistic=statistic - misfit).p_value * len(effects))
+        score = statistic - misfit - _price(alone, price)
         found.append(Ranked(effect, fit, statistic, p_value, score, misfit))
     return sorted(found, key=lambda r: -r.score)
 
@@ -113,10 +113,16 @@ def _passes_for_it(effect: Effect, statistic: float, brings: Callable[[Effect], 
     return any(brings(other) > least for other in effect.lookalikes)
 
 
-def _price(effect: Effect, each: float) -> float:
-    """Price of an effect's parameters in deviance."""
-    one_way = sum(p.one_way for p in effect.parameters)
-    return max(len(effect.parameters), 1) * each - one_way * _ONE_WAY
+def _price(alone: Fit, each: float) -> float:
+    """Price of an effect's parameters in deviance: of those scanned no less than of the scan.
+
+    One of many grids of phases fits anything better than one more parameter does.
+    """
+    parameters = alone.effects[0].effect.parameters
+    n_scanned = sum(p.scanned for p in parameters)
+    n_sized, one_way = len(parameters) - n_scanned, sum(p.one_way for p in parameters)
+    scanned = max(n_scanned * each, alone.searched)
+    return max(n_sized * each + scanned, each) - one_way * _ONE_WAY
 
 
 def telling_deviance(evidence: float) -> float:

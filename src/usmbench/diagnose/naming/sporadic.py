@@ -52,7 +52,8 @@ class Sporadic:
     named
         The cause for the result.
     deviance
-        Square of the windows that stand alone, over the noise's.
+        Square of the windows that it may have struck, over the noise's: where the motor moves, of
+        those that stand alone, and are no further off than where it runs steadily.
     """
 
     applied: Applied
@@ -73,7 +74,10 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
         Standard deviation of the whitened noise: in one that has grown, no window stands alone.
     """
     left = problem.left_rad_s(effects)
-    calm, far = _plain(problem, effects, left, _alone(problem, left, effects, spread))
+    clear = _clear(problem, effects)
+    alone = [a & c for a, c in zip(_alone(problem, left, effects, spread), clear, strict=True)]
+    calm, far = _plain(problem, left, alone)
+    calm = [rows & c for rows, c in zip(calm, clear, strict=True)]
     rows = np.concatenate(calm)
     off_rad_s = np.concatenate(list(left))[rows]
     # A counter's steps leave every window of a hold off by the same part of a count.
@@ -95,8 +99,7 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
     weighed.sort(key=lambda pair: -pair[1].log_likelihood)
     (effect, best), *others = weighed
     near = [e.name for e, w in others if 2.0 * (best.log_likelihood - w.log_likelihood) < TELLING]
-    level_rad_s = np.concatenate([problem.noise.level_rad_s(s) for s in problem.stretches])[rows]
-    deviance = float(np.sum((off_rad_s / level_rad_s)[windows.alone] ** 2))
+    deviance = _deviance(problem, left, alone, float(np.max(np.abs(off_rad_s[windows.alone]))))
     estimates = _estimates(effect, best)
     named = NamedCause(
         effect.name,
@@ -110,6 +113,17 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
     )
     applied = Applied(effect, {e.name: e.value for e in estimates})
     return Sporadic(applied, named, deviance)
+
+
+def _deviance(
+    problem: Problem, left: Sequence[Array], alone: Sequence[Mask], most_rad_s: float
+) -> float:
+    """Square of the windows that stand alone, no further off than that, over the noise's."""
+    deviance = 0.0
+    for stretch, residual, mask in zip(problem.stretches, left, alone, strict=True):
+        struck = mask & (np.abs(residual) <= most_rad_s)
+        deviance += float(np.sum((residual / problem.noise.level_rad_s(stretch))[struck] ** 2))
+    return deviance
 
 
 def left_unnamed(problem: Problem, effects: Sequence[Applied], spread: float) -> list[str]:
@@ -148,8 +162,17 @@ def left_unnamed(problem: Problem, effects: Sequence[Applied], spread: float) ->
     return found
 
 
+def _clear(problem: Problem, effects: Sequence[Applied]) -> list[Mask]:
+    """Rows that no other cause strikes by chance."""
+    chancy = chancy_of(effects)
+    if not chancy:
+        return [s.use for s in problem.stretches]
+    struck = struck_by(problem, chancy)
+    return [s.use & ~hit for s, hit in zip(problem.stretches, struck, strict=True)]
+
+
 def _plain(
-    problem: Problem, effects: Sequence[Applied], left: Sequence[Array], far: Sequence[Mask]
+    problem: Problem, left: Sequence[Array], far: Sequence[Mask]
 ) -> tuple[list[Mask], list[Mask]]:
     """Rows on which nothing but the counter can make a window stand alone, and those that do.
 
@@ -163,9 +186,6 @@ def _plain(
         usual_rad_s = np.median(np.concatenate([r[b] for r, b in zip(size, large, strict=True)]))
         still = [s.use & (m < usual_rad_s) for s, m in zip(problem.stretches, moved, strict=True)]
         calm = [c | k for c, k in zip(calm, still, strict=True)]
-    chancy = chancy_of(effects)
-    if chancy:
-        calm = [c & ~s for c, s in zip(calm, struck_by(problem, chancy), strict=True)]
     return calm, alone
 
 

@@ -28,3 +28,15 @@ def test_chance_takes_a_statistic_as_often_as_its_p_value_says(
         assert p_value == pytest.approx(sides * chi2.sf(level, 1))
         assert np.mean(statistics > level) == pytest.approx(p_value, rel=0.03)
     assert Fit((applied,), 0.0, 0.0).p_value == 1.0
+
+
+@pytest.mark.parametrize("form", [("phase_offset", ""), ("generator_imbalance", "")])
+@pytest.mark.parametrize("roughness", [0.0, 3.0, 300.0])
+def test_a_search_is_paid_for_with_what_it_makes_of_chance(
+    form: tuple[str, str], roughness: float
+) -> None:
+    applied = Applied(find_effect(*form), {})
+    fit, alone = (Fit((applied,), 60.0, rough) for rough in (roughness, 0.0))
+    paid = 2.0 * np.log(fit.p_value / alone.p_value)
+    assert fit.searched == pytest.approx(paid, rel=0.01, abs=1e-12)
+    assert Fit((applied,), 1e7, roughness).searched >= fit.searched

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.signal import sawtooth
 
 from known_motor import applied, driven, identified
 from usmbench.diagnose.cutting.cut_runs import cut_runs
@@ -12,7 +13,7 @@ from usmbench.diagnose.naming.ranking import Ranked, alternatives, rank, undecid
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.base import Effect
 from usmbench.model.effects.dead_zone_hysteresis import Sticking
-from usmbench.model.effects.registry import library
+from usmbench.model.effects.registry import find_effect, library
 from usmbench.model.extended import Applied
 
 
@@ -75,3 +76,16 @@ def test_a_cause_yields_to_what_a_model_may_be_off_by(
     assert (found.p_value < 1e-6) == is_a_cause
     assert (found.score > 0.0) == is_a_cause
     assert (found.misfit == 0.0) == is_a_cause
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_one_of_many_grids_is_paid_for_with_the_search(seed: int) -> None:
+    triangle_deg = 85.0 * sawtooth(0.1 * np.arange(200.0), 0.5)
+    (stretch,), _ = cut_runs([driven(triangle_deg, seed)], identified(), ())
+    known = knowledge_of(identified())
+    assert known.noise is not None
+    problem = Problem([stretch], known, known.noise, [stretch.use])
+    grid, scale = find_effect("phase_quantisation", "rounded"), find_effect("speed_scale", "")
+    prices = {r.effect: r.statistic - r.score for r in rank(problem, [grid, scale], 1.0)}
+    assert prices[scale] == pytest.approx(np.log(problem.n_rows))
+    assert prices[grid] > 1.5 * prices[scale]

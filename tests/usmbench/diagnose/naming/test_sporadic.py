@@ -221,6 +221,19 @@ def test_what_no_move_of_the_motor_makes_is_a_false_count_wherever_it_strikes(
         assert rate_hz == pytest.approx(n_hit / (record.t_s.size * 0.01), rel=0.6)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_false_counts_may_strike_mostly_where_the_motor_moves(seed: int) -> None:
+    rows = np.arange(2000)
+    phase_deg = 80.0 * np.sin(2.0 * np.pi * rows / 47.3)
+    record, rng = driven(phase_deg, 6), np.random.default_rng(seed)
+    off = 20.0 * NOISE_RAD_S * rng.choice([-1.0, 1.0], rows.size) * (rng.random(rows.size) < 0.02)
+    found = diagnose([replace(record, speed_rad_s=record.speed_rad_s + off)], identified())
+    assert (found.verdict, [cause.name for cause in found.causes]) == (
+        "explained",
+        ["count_glitches"],
+    )
+
+
 def test_nobody_foresees_a_false_count_so_naming_it_gains_nothing() -> None:
     record, _ = swinging(4.0)
     found = diagnose([record], identified())
