@@ -234,5 +234,4 @@ def noise_spread(problem: Problem, basis: Basis, effects: Sequence[Applied]) -> 
         Effects that are taken out first.
     """
     left = problem.left(effects)
-    rows = (left - basis.vectors @ (basis.vectors.T @ left))[: problem.n_rows]
-    return robust_spread(rows)
+    return robust_spread(basis.beside(left)[: problem.n_rows])

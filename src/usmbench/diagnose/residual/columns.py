@@ -12,6 +12,7 @@ from usmbench.diagnose.cutting.stretches import Mask
 Array = NDArray[np.float64]
 
 _FULL = 0.15  # share of its rows from which a column is cheaper with its zeros
+_AT_ONCE = 4096  # rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +101,19 @@ class Columns:
         total = self.full @ amounts[:n_full]
         total += self.empty @ amounts[n_full:]
         return total
+
+    def size_of_rows(self, amounts: Array) -> Array:
+        """Return the root of the sum of squares of each row of sums of the columns, shape (N,).
+
+        Parameters
+        ----------
+        amounts
+            How much of each column, shape (F + E, M).
+        """
+        # Not all at once: of a long run the sums take as much memory as the columns.
+        parts = [slice(i, i + _AT_ONCE) for i in range(0, max(len(self.full), 1), _AT_ONCE)]
+        sums = (Columns(self.full[p], self.empty[p]).combined(amounts) for p in parts)
+        return np.concatenate([np.linalg.norm(part, axis=1) for part in sums])
 
     def along(self, signal: Array) -> Array:
         """Return each column's product with a signal, shape (F + E,) or (F + E, M).

@@ -125,8 +125,7 @@ class Covariance:
         rows
             Those that are asked for, shape (N,).
         """
-        unsure: Array = np.linalg.norm(self.shapes.of_rows(rows).combined(self.root), axis=1)
-        return unsure
+        return self.shapes.of_rows(rows).size_of_rows(self.root)
 
     def unsure_beside_rad_s(self, rows: Mask) -> Array:
         """Return by how much more a residual may be off than around it, shape (rows,).
@@ -142,8 +141,7 @@ class Covariance:
         weights = np.repeat([1.0, -0.5, -0.5], at.size)
         where = (np.tile(each, 3), np.concatenate([at, *beside]))
         differences = self.shapes.filtered(csr_array((weights, where), shape=(at.size, rows.size)))
-        unsure: Array = np.linalg.norm(differences.combined(self.root), axis=1)
-        return unsure
+        return differences.size_of_rows(self.root)
 
     def unsure_along(self, signal: Array) -> float:
         """Return the standard deviation of the product of a signal and what is no news.

@@ -18,7 +18,6 @@ Array = NDArray[np.float64]
 
 _LAG_EDGES = np.array([0, 1, 2, 3, 4, 6, 10, 20, 40])
 _PHASE_BINS, _TIME_BINS, _SPEED_BINS, _ANGLE_BINS = 16, 16, 12, 24
-_RANK = 1e-6
 _MEMORY, _FORGOTTEN = 200, 0.01  # windows; of the noise's variance
 LABELS = {
     "phase": "commanded phase φ (deg)",
@@ -100,16 +99,14 @@ def omnibus(problem: Problem) -> Basis:
     problem
         The problem.
     """
-    every = [_directions(problem, binning) for binning in binnings(problem.stretches)]
-    columns = np.column_stack(every)
-    every.clear()  # together they take as much memory
-    return _basis(columns)
+    views = binnings(problem.stretches)
+    return Basis.of(np.column_stack([_directions(problem, binning) for binning in views]))
 
 
 def _directions(problem: Problem, binning: Binning) -> Array:
     """Return the directions that one view looks in, shape (M, rank)."""
     parts = zip(*_columns(problem, binning), strict=True)
-    return _basis(problem.carried([np.column_stack(part) for part in parts])).vectors
+    return Basis.of(problem.carried([np.column_stack(part) for part in parts])).vectors
 
 
 def _columns(problem: Problem, binning: Binning) -> Iterator[list[Array]]:
@@ -131,23 +128,6 @@ def _columns(problem: Problem, binning: Binning) -> Iterator[list[Array]]:
                     s.simulated_rad_s * wave(harmonic * np.asarray(s.context.angle_rad))
                     for s in stretches
                 ]
-
-
-def _basis(columns: Array) -> Basis:
-    """Orthonormal basis of columns, without what is lost in rounding."""
-    products = columns.T @ columns
-    size = np.sqrt(np.diag(products))
-    kept = np.flatnonzero(size > 1e-9 * max(float(size.max(initial=0.0)), 1e-300))
-    if kept.size == 0:
-        return Basis(np.zeros((columns.shape[0], 0)))
-    values, vectors = np.linalg.eigh(
-        products[np.ix_(kept, kept)] / np.outer(size[kept], size[kept])
-    )
-    good = values > _RANK * values[-1]
-    # On the amounts of columns and not on the columns, which take much memory.
-    amounts = np.zeros((size.size, np.count_nonzero(good)))
-    amounts[kept] = vectors[:, good] / np.sqrt(values[good]) / size[kept, None]
-    return Basis(columns @ amounts)
 
 
 def residual_views(problem: Problem, after: Sequence[Array], spread: float) -> tuple[View, ...]:

@@ -67,7 +67,7 @@ def whole_test(problem: Problem, basis: Basis, effects: Sequence[Applied], sprea
     spread
         Standard deviation of the whitened noise.
     """
-    rank_ = basis.vectors.shape[1]
+    rank_ = basis.rank
     square = basis.square(problem.left(effects)) / spread**2
     excess, p_value = max(square - rank_, 0.0), float(chi2.sf(square, rank_))
     return Whole(excess, p_value, problem.n_rows)
