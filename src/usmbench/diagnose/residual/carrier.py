@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from usmbench.diagnose.cutting.stretches import Mask
 from usmbench.diagnose.residual.columns import Columns
 
 Array = NDArray[np.float64]
@@ -40,21 +39,19 @@ class Carrier:
     tension: Array
 
     @classmethod
-    def of(cls, filter_: csr_array, background: Columns, rows: Mask, root: Array) -> "Carrier":
+    def of(cls, whitening: csr_array, shapes: Columns, root: Array) -> "Carrier":
         """Return the carrier of some rows.
 
         Parameters
         ----------
-        filter_
-            Whitens all rows, shape (N, N).
-        background
-            Whitened shapes on all rows, shape (N, S).
-        rows
-            Those that count, shape (N,).
+        whitening
+            Whitens all rows and keeps those that count, shape (R, N).
+        shapes
+            What is no news on all rows, in rad/s, shape (N, S).
         root
             Square root of the shapes' covariance, shape (S, L).
         """
-        whitening, judged = filter_[rows], background.of_rows(rows)
+        judged = shapes.filtered(whitening)
         power, ways = np.linalg.eigh(root.T @ judged.gram @ root)
         shown = power > _HIDDEN
         return cls(whitening, judged, root @ ways[:, shown], 1.0 + power[shown])

@@ -53,14 +53,11 @@ class Covariance:
         What may differ, in rad/s, shape (N, S).
     root
         Square root of the shapes' covariance, shape (S, K).
-    white
-        The shapes, filtered.
     """
 
     filter_: csr_array
     shapes: Columns
     root: Array
-    white: Columns
 
     @classmethod
     def of(cls, filter_: csr_array, known: Knowledge, stretches: Sequence[Stretch]) -> "Covariance":
@@ -77,7 +74,7 @@ class Covariance:
         """
         shapes, root = known.background(stretches)
         columns, order = Columns.of(shapes)
-        return cls(filter_, columns, root[order], columns.filtered(filter_))
+        return cls(filter_, columns, root[order])
 
     def by(self, filter_: csr_array) -> "Covariance":
         """Return it with another noise.
@@ -87,7 +84,7 @@ class Covariance:
         filter_
             Makes that noise white, shape (N, N).
         """
-        return replace(self, filter_=filter_, white=self.shapes.filtered(filter_))
+        return replace(self, filter_=filter_)
 
     def also(self, shapes: Array, deviation: float, kept: Array | float = 1.0) -> "Covariance":
         """Return it where something else may differ.
@@ -104,8 +101,7 @@ class Covariance:
         root = dense_blocks(self.root, deviation * np.eye(shapes.shape[1]))
         every = np.broadcast_to(kept, (len(shapes),))
         filter_ = csr_array(diags_array(every) @ self.filter_)
-        columns = self.shapes.beside(shapes)
-        return Covariance(filter_, columns, root, columns.filtered(filter_))
+        return Covariance(filter_, self.shapes.beside(shapes), root)
 
     def carrier(self, rows: Mask) -> Carrier:
         """Return what carries a residual on some rows.
@@ -115,7 +111,7 @@ class Covariance:
         rows
             Which, shape (N,).
         """
-        return Carrier.of(self.filter_, self.white, rows, self.root)
+        return Carrier.of(self.filter_[rows], self.shapes, self.root)
 
     def unsure_rad_s(self, rows: Mask) -> Array:
         """Return how far off a residual may be by what is no news, shape (rows,).

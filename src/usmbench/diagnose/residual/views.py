@@ -99,8 +99,17 @@ def omnibus(problem: Problem) -> Basis:
     problem
         The problem.
     """
-    views = binnings(problem.stretches)
-    return Basis.of(np.column_stack([_directions(problem, binning) for binning in views]))
+    return Basis.of(_beside([_directions(problem, b) for b in binnings(problem.stretches)]))
+
+
+def _beside(parts: list[Array]) -> Array:
+    """Return columns beside each other, and empty the list: together they take as much memory."""
+    ends = np.cumsum([part.shape[1] for part in parts])
+    columns = np.empty((len(parts[0]), ends[-1]), order="F")
+    for end in ends:
+        part = parts.pop(0)
+        columns[:, end - part.shape[1] : end] = part
+    return columns
 
 
 def _directions(problem: Problem, binning: Binning) -> Array:
