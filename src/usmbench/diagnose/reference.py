@@ -4,23 +4,18 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.check_runs import FEWEST_WINDOWS
 from usmbench.diagnose.cutting.command_times import any_moment_s, at_unknown_moments
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.stretches import Stretch
-from usmbench.diagnose.known.departures import departures
-from usmbench.diagnose.known.features_of_runs import features_of
+from usmbench.diagnose.known.healthy_runs import HealthyRuns
 from usmbench.diagnose.known.knowledge import Knowledge
-from usmbench.diagnose.known.learning import learn
 from usmbench.diagnose.known.left_out import covariance_root
 from usmbench.diagnose.known.model_knowledge import with_known
 from usmbench.diagnose.known.wander import ANY, LEAST, wander_of_shares
 from usmbench.diagnose.known.wander_estimate import measured_wander
 from usmbench.diagnose.naming.ranking import rank
-from usmbench.diagnose.noise.noise_estimate import estimate_noise
-from usmbench.diagnose.noise.spikes import PLAIN, count_steady, off_steps, spiked
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.errors import InputError
 from usmbench.identify.wild_rows import without_wild_rows
@@ -31,11 +26,8 @@ from usmbench.model.hammerstein import HammersteinModel
 from usmbench.runs.pauses import cold_starts
 from usmbench.runs.record import Record
 
-Array = NDArray[np.float64]
-
 _FEWEST_ROUNDS, _MOST_ROUNDS = 3, 12
 _SETTLED = 0.2  # of each deviation: what is learnt goes with what the runs wander by
-_MANY_ROWS = 3000
 _NO_CHANCE = 30.0  # a deviance that no chance explains
 
 
@@ -105,6 +97,8 @@ def _habit(
 def measure_knowledge(stretches: Sequence[Stretch], habits: Sequence[Applied] = ()) -> Knowledge:
     """Measure noise, known misfit and repeatability.
 
+    What the model leaves, what the runs wander by and the noise are learnt in turn until they rest.
+
     Parameters
     ----------
     stretches
@@ -113,40 +107,22 @@ def measure_knowledge(stretches: Sequence[Stretch], habits: Sequence[Applied] = 
         What they show anyhow, with which they were cut.
     """
     any_s = any_moment_s(stretches)
-    stretches = at_unknown_moments(stretches, any_s)
-    features = features_of(stretches)
-    shapes = [np.column_stack(list(features.columns(s))) for s in stretches]
-    residuals = [s.residual_rad_s for s in stretches]
-    uses = [s.use for s in stretches]
-    # The curve was fitted freely, and all that is learnt: of many rows that took next to nothing.
-    few = sum(s.context.n for s in stretches) <= _MANY_ROWS
-    free = np.where(np.array(features.groups) == "phase", features.top_rad_s, features.prior)
-    fitted = [part * free for part in shapes] if few else None
-    noise = estimate_noise(stretches, residuals, uses, fitted)
-    left = residuals
+    runs = HealthyRuns.of(at_unknown_moments(stretches, any_s), habits)
+    features, left, masks = runs.features, runs.residuals, runs.uses
     widest, least = (wander_of_shares(shares, features) for shares in (ANY, LEAST))
-    wander, apart = widest, [departures(s, habits, features.n_constants) for s in stretches]
+    wander, noise = widest, runs.noise(left, masks)
     for done in range(_MOST_ROUNDS):
-        far = spiked(stretches, left, noise, near_steps=True)
-        masks = [use & ~f for use, f in zip(uses, far, strict=True)]
-        own = [departed * wander.deviations for departed in apart]
-        learnt = learn(features, stretches, shapes, noise, masks, own)
-        left = [
-            r - part @ learnt.mean - o @ learnt.runs[s.run]
-            for s, r, part, o in zip(stretches, residuals, shapes, own, strict=True)
-        ]
+        masks = runs.near(left, noise)
+        learnt, left = runs.learnt(noise, masks, wander)
         unit = wander.deviations
         gram = learnt.gram / unit[:, None, None] / unit
         wander = measured_wander(widest, least, gram, learnt.slope / unit)
-        noise = estimate_noise(stretches, left, masks, fitted)
+        noise = runs.noise(left, masks)
         settled = np.allclose(wander.deviations, unit, rtol=_SETTLED, atol=0.0)
         if settled and done + 1 >= _FEWEST_ROUNDS:
             break
-    far = spiked(stretches, left, noise, near_steps=True, times=PLAIN)
-    far = off_steps(stretches, left, far)
-    n_spikes, n_steady = count_steady(stretches, far)
-    used_s = max(n_steady, 1) * stretches[0].context.window_s
+    spikes_hz = runs.spikes_hz(left, noise)
     wander = replace(wander, late_s=max(wander.late_s, any_s))
     entries = tuple(applied.to_mapping() for applied in habits)
     root = covariance_root(features, learnt)
-    return Knowledge(noise, features, learnt.mean, root, wander, n_spikes / used_s, entries)
+    return Knowledge(noise, features, learnt.mean, root, wander, spikes_hz, entries)
