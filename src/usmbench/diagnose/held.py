@@ -46,6 +46,11 @@ def held(found: Found) -> Held:
     says = verdict_on(found, sporadic)
     stands = says in ("explained", "partly_explained")
     if not stands:
+        if found.named and sporadic is not None:
+            # That names do not stand says nothing against windows that stand alone.
+            without = held(found.without_names)
+            if without.sporadic is not None:
+                return without
         found, sporadic = found.without_names, None
     scattered = found.scattered
     if scattered is not found and scattered.after.p_value > PLAINLY:

@@ -1,0 +1,31 @@
+"""What stands of what a search came to."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from known_motor import NOISE_RAD_S, applied, driven, identified
+from usmbench.diagnose.fitting.fit import Fit
+from usmbench.diagnose.held import held
+from usmbench.diagnose.pipeline import searched
+from usmbench.diagnose.residual.own_effects import cut_beside_own
+
+
+@pytest.mark.parametrize("false_counts", [True, False])
+def test_names_that_do_not_stand_say_nothing_against_false_counts(false_counts: bool) -> None:
+    phase_deg = np.repeat(np.random.default_rng(2).uniform(30.0, 88.0, 100), 20)
+    record = driven(phase_deg, 4)
+    off = np.zeros(phase_deg.size)
+    off[210::200] = 25.0 * NOISE_RAD_S * false_counts
+    record = replace(record, speed_rad_s=record.speed_rad_s + off)
+    found = searched(cut_beside_own([record], identified())[0], identified())
+    assert not found.named
+    nothing = Fit((applied("phase_offset", "", offset_deg=1e-4),), 0.0, 0.0)
+    three = replace(found, named=[found.ranked] * 3, fit=nothing)  # more than may be named
+    stands = held(three)
+    names = [] if stands.sporadic is None else [stands.sporadic.named.name]
+    assert not stands.found.named
+    assert (stands.verdict, names) == (
+        ("explained", ["count_glitches"]) if false_counts else ("unexplained", [])
+    )
