@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-
 _RANK = 1e-6  # of the largest eigenvalue
 
 

@@ -33,6 +33,17 @@ def test_two_parts_are_the_matrix_but_for_the_order_of_its_columns(
     np.testing.assert_allclose(columns.gram, same.T @ same, atol=1e-12)
 
 
+@given(_matrices(), st.sampled_from([1, 205]))
+def test_sizes_of_rows_are_those_of_the_sums_however_many_rows(
+    drawn: tuple[Array, np.random.Generator], times: int
+) -> None:
+    matrix, rng = drawn
+    columns, order = Columns.of([np.tile(matrix, (times, 1))])
+    amounts = rng.standard_normal((order.size, 3))
+    whole = np.linalg.norm(columns.combined(amounts), axis=1)
+    np.testing.assert_allclose(columns.size_of_rows(amounts), whole, atol=1e-12)
+
+
 @given(_matrices())
 def test_rows_filters_and_further_columns_are_those_of_the_matrix(
     drawn: tuple[Array, np.random.Generator],
