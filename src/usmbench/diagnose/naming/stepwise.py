@@ -234,4 +234,4 @@ def noise_spread(problem: Problem, basis: Basis, effects: Sequence[Applied]) -> 
         Effects that are taken out first.
     """
     left = problem.left(effects)
-    return robust_spread(basis.beside(left)[: problem.n_rows])
+    return robust_spread(basis.rest(left)[: problem.n_rows])

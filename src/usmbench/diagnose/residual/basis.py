@@ -69,7 +69,7 @@ class Basis:
         part = self._along(carried)
         return float(part @ part)
 
-    def beside(self, carried: Array) -> Array:
+    def rest(self, carried: Array) -> Array:
         """Return what of a carried residual no vector shows, shape (M,).
 
         Parameters
@@ -77,8 +77,8 @@ class Basis:
         carried
             Shape (M,).
         """
-        rest: Array = carried - self.columns @ (self.amounts @ self._along(carried))
-        return rest
+        shown: Array = self.columns @ (self.amounts @ self._along(carried))
+        return carried - shown
 
     def _along(self, carried: Array) -> Array:
         """Products of the vectors with a carried residual, shape (rank,)."""

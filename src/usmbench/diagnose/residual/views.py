@@ -99,10 +99,10 @@ def omnibus(problem: Problem) -> Basis:
     problem
         The problem.
     """
-    return Basis.of(_beside([_directions(problem, b) for b in binnings(problem.stretches)]))
+    return Basis.of(_side_by_side([_directions(problem, b) for b in binnings(problem.stretches)]))
 
 
-def _beside(parts: list[Array]) -> Array:
+def _side_by_side(parts: list[Array]) -> Array:
     """Return columns beside each other, and empty the list: together they take as much memory."""
     ends = np.cumsum([part.shape[1] for part in parts])
     columns = np.empty((len(parts[0]), ends[-1]), order="F")

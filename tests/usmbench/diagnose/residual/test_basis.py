@@ -18,8 +18,8 @@ def test_a_basis_spans_its_columns_and_nothing_else(seed: int, n: int, n_repeate
     assert basis.rank == n
     np.testing.assert_allclose(basis.vectors.T @ basis.vectors, np.eye(n), atol=1e-6)
     carried = rng.standard_normal(_M)
-    rest = basis.beside(carried)
+    rest = basis.rest(carried)
     np.testing.assert_allclose(basis.vectors.T @ rest, 0.0, atol=1e-6)
     np.testing.assert_allclose(basis.square(carried) + rest @ rest, carried @ carried, rtol=1e-6)
     inside = columns @ rng.standard_normal(columns.shape[1])
-    np.testing.assert_allclose(basis.beside(inside), 0.0, atol=1e-6 * (1.0 + np.abs(inside).max()))
+    np.testing.assert_allclose(basis.rest(inside), 0.0, atol=1e-6 * (1.0 + np.abs(inside).max()))

@@ -1,0 +1,145 @@
+"""Windows that stand alone: all of them, and those of which only the counter can be the cause."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+from usmbench.diagnose.cutting.stretches import Mask
+from usmbench.diagnose.naming.chance import chancy_of, struck_by
+from usmbench.diagnose.noise.spikes import (
+    PLAIN,
+    moved_rad_s,
+    off_steps,
+    spiked,
+    steady,
+    whole_count_rad_s,
+)
+from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.effects.base import PHYSICS
+from usmbench.model.extended import Applied
+
+Array = NDArray[np.float64]
+
+# A counter is off by whole ones; where speeds are whole counts, rounding makes one of every window.
+_OF_COUNT, _OF_WHOLE = 0.25, 1.5
+# What an effect's form may be off by is no count, nor what it changes by beside the window.
+_OF_EFFECT, _SOON, _BESIDE = 3.0 * PHYSICS, 3, 5  # share; windows around
+
+
+@dataclass(frozen=True, slots=True)
+class StandingAlone:
+    """Windows of each stretch that stand alone, shape (N,).
+
+    Parameters
+    ----------
+    every
+        All of them, where no other cause strikes by chance.
+    calm
+        Rows on which nothing but the counter can make a window stand alone.
+    plain
+        Those of them that do.
+    """
+
+    every: list[Mask]
+    calm: list[Mask]
+    plain: list[Mask]
+
+    @classmethod
+    def of(cls, problem: Problem, effects: Sequence[Applied], spread: float) -> "StandingAlone":
+        """Return the windows that stand alone.
+
+        Parameters
+        ----------
+        problem
+            The problem.
+        effects
+            The causes that are named.
+        spread
+            Standard deviation of the whitened noise, at least 1.
+        """
+        left, clear = problem.left_rad_s(effects), _clear(problem, effects)
+        found = _alone(problem, left, effects, spread)
+        every = [a & c for a, c in zip(found, clear, strict=True)]
+        calm, plain = _plain(problem, left, every)
+        return cls(every, [rows & c for rows, c in zip(calm, clear, strict=True)], plain)
+
+
+def beyond(
+    problem: Problem, left: Sequence[Array], rows: Sequence[Mask], spread: float
+) -> list[Mask]:
+    """Return the rows, of those given, that are plainly beyond the noise and what is no news.
+
+    Of a rotor that turns on, this moves the windows beside them as well.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    left
+        What is left of each stretch, in rad/s, shape (N,).
+    rows
+        Those to look at, shape (N,).
+    spread
+        Standard deviation of the whitened noise, at least 1.
+    """
+    calm = [steady(s) for s in problem.stretches]
+    turns = problem.unsure_beside_rad_s([m & c for m, c in zip(rows, calm, strict=True)])
+    others = problem.unsure_rad_s([m & ~c for m, c in zip(rows, calm, strict=True)])
+    parts = zip(problem.stretches, left, rows, turns, others, strict=True)
+    return [
+        mask & (np.abs(r) > PLAIN * spread * np.hypot(problem.noise.level_rad_s(s), t + o))
+        for s, r, mask, t, o in parts
+    ]
+
+
+def _clear(problem: Problem, effects: Sequence[Applied]) -> list[Mask]:
+    """Rows that no other cause strikes by chance."""
+    chancy = chancy_of(effects)
+    if not chancy:
+        return [s.use for s in problem.stretches]
+    struck = struck_by(problem, chancy)
+    return [s.use & ~hit for s, hit in zip(problem.stretches, struck, strict=True)]
+
+
+def _plain(
+    problem: Problem, left: Sequence[Array], far: Sequence[Mask]
+) -> tuple[list[Mask], list[Mask]]:
+    """Rows on which nothing but the counter can make a window stand alone, and those that do.
+
+    Where the motor moves, these are windows off by more than it may be for coming sooner or later.
+    """
+    calm = [steady(s) for s in problem.stretches]
+    moved, size = [moved_rad_s(s) for s in problem.stretches], [np.abs(r) for r in left]
+    large = [f & (r > m) for f, r, m in zip(far, size, moved, strict=True)]
+    alone = [f & (c | b) for f, c, b in zip(far, calm, large, strict=True)]
+    if any(b.any() for b in large):
+        usual_rad_s = np.median(np.concatenate([r[b] for r, b in zip(size, large, strict=True)]))
+        still = [s.use & (m < usual_rad_s) for s, m in zip(problem.stretches, moved, strict=True)]
+        calm = [c | k for c, k in zip(calm, still, strict=True)]
+    return calm, alone
+
+
+def _alone(
+    problem: Problem, left: Sequence[Array], effects: Sequence[Applied], spread: float
+) -> list[Mask]:
+    """Windows that stand alone, by more than what is no count, or than an effect may be off by."""
+    far = spiked(problem.stretches, left, problem.noise, near_steps=True, times=PLAIN * spread)
+    far = off_steps(problem.stretches, left, far)
+    plainly = beyond(problem, left, far, spread)
+    least_rad_s = [
+        max(_OF_COUNT * (s.context.count_rad_s or 0.0), _OF_WHOLE * whole_count_rad_s(s))
+        for s in problem.stretches
+    ]
+    changes = problem.change_rad_s(effects)
+    parts = zip(plainly, left, least_rad_s, changes, strict=True)
+    return [b & (np.abs(r) > np.maximum(least, _off_rad_s(c))) for b, r, least, c in parts]
+
+
+def _off_rad_s(change_rad_s: Array) -> Array:
+    """Return how far off what an effect does may be: it may also come a window sooner or later."""
+    size = maximum_filter1d(np.abs(change_rad_s), _SOON)
+    jumps = maximum_filter1d(change_rad_s, _BESIDE) - minimum_filter1d(change_rad_s, _BESIDE)
+    return np.asarray(np.maximum(_OF_EFFECT * size, jumps))
