@@ -152,7 +152,7 @@ class MotorBench:
         problem = self.searched(record).problem
         ((stretch,), (mask,)) = problem.stretches, problem.masks
         rows = stretch.use & mask
-        floor = problem.noise.level_rad_s(stretch)[rows]
+        floor = problem.noise.calm_rad_s(stretch)[rows]
         outcome.fresh_gain = _gain(plain[rows], better[rows], floor)
         outcome.oracle_gain = _gain(plain[rows], truly[rows], floor)
 

@@ -60,7 +60,7 @@ def described(
     views = residual_views(problem, found.left_rad_s, found.spread)
     says = held.verdict
     shown = max(view.excess_after for view in views)
-    if says == "explained" and min(shown, gain.left_over) > LOUD:
+    if says == "explained" and min(shown, held.left_over) > LOUD:
         says = "partly_explained"
     silent = says in ("no_discrepancy", "explained")
     return Diagnosis(

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from usmbench.diagnose.fitting.foretold import foretells_nothing, foretold_rad_s
-from usmbench.diagnose.fitting.gain import Gain, held_out_gain
+from usmbench.diagnose.fitting.gain import Gain, held_out_gain, left_over
 from usmbench.diagnose.naming.found import Found, verdict_on
 from usmbench.diagnose.naming.sporadic import Sporadic, find_sporadic
 from usmbench.diagnose.residual.whole import PLAINLY
@@ -24,12 +24,15 @@ class Held:
         The cause of windows that stand alone; None for none.
     gain
         What the names gain on rows that their values were not fitted on.
+    left_over
+        The rms of what they leave there, over that which the model's own runs show.
     """
 
     found: Found
     verdict: Verdict
     sporadic: Sporadic | None
     gain: Gain
+    left_over: float
 
 
 def held(found: Found) -> Held:
@@ -58,5 +61,6 @@ def held(found: Found) -> Held:
     foretold = foretold_rad_s(scattered.problem, scattered.fit)
     if found.named and foretells_nothing(scattered.problem, foretold):
         return held(found.without_names)
-    gain = held_out_gain(scattered.problem, foretold, alone=sporadic is not None)
-    return Held(scattered, says, sporadic, gain)
+    scored = (scattered.problem, foretold)
+    gain = held_out_gain(*scored, alone=sporadic is not None)
+    return Held(scattered, says, sporadic, gain, left_over(*scored, alone=sporadic is not None))

@@ -217,7 +217,7 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     causes = " and ".join(_named(cause) for cause in diagnosis.causes)
     return (
         f"The motor departs from its simulation because of {causes}; knowing this removes "
-        f"{percent(diagnosis.gain)} of the avoidable error"
+        f"{percent(diagnosis.gain)} of the error above the noise"
         + (", and what is left has no name here." if diagnosis.verdict != "explained" else ".")
     )
 

@@ -15,7 +15,7 @@ def noise_note(diagnosis: Diagnosis) -> str:
         The diagnosis.
     """
     if diagnosis.rmse_extended_rad_s > diagnosis.noise_floor_rad_s:
-        return "what a simulation without any error would leave"
+        return "what a simulation without any error would leave far from steps"
     return "all that is left"
 
 
@@ -41,6 +41,6 @@ def what_is_left(diagnosis: Diagnosis) -> str:
             "little beside what was there, or chance"
         )
     return (
-        f"{left} are left, where the bench's noise alone would leave {noise}. The difference is no "
+        f"{left} are left, where the bench's noise far from steps is {noise}. The difference is no "
         f"news: {_NO_NEWS}, {news}."
     )

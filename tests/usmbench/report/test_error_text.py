@@ -14,10 +14,10 @@ Make = Callable[..., Diagnosis]
 def test_an_error_beyond_the_noise_is_said_to_be_known(make_diagnosis: Make) -> None:
     diagnosis = make_diagnosis(remainder=None)
     said = what_is_left(diagnosis)
-    assert said.startswith("0.09 rad/s are left, where the bench's noise alone would leave 0.04")
+    assert said.startswith("0.09 rad/s are left, where the bench's noise far from steps is 0.04")
     assert "the simulation misses as much on its own runs" in said
     assert said.endswith("and no figure above leaves its grey band.")
-    assert noise_note(diagnosis) == "what a simulation without any error would leave"
+    assert noise_note(diagnosis) == "what a simulation without any error would leave far from steps"
 
 
 def test_a_figure_beyond_its_band_is_not_hidden(make_diagnosis: Make) -> None:

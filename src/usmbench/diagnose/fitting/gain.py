@@ -1,4 +1,7 @@
-"""What an extension gains on blocks of the runs that its fit has not seen."""
+"""What an extension gains on blocks of the runs that its fit has not seen.
+
+It is measured above the noise of a window far from steps (docs/decisions/0010).
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -23,7 +26,8 @@ class Gain:
     Parameters
     ----------
     rmse_simulation_rad_s, rmse_extended_rad_s, noise_floor_rad_s
-        Root mean squares of the residual before and after, and of the noise.
+        Root mean squares of the residual before and after, and of the noise of windows far from
+        steps.
     gain, low, high
         Share of the mean square above the noise floor that the extension removes, with its 95 %
         interval by drawing blocks anew, and the floor as far off as it may be.
@@ -35,11 +39,6 @@ class Gain:
     gain: float
     low: float
     high: float
-
-    @property
-    def left_over(self) -> float:
-        """What the extension leaves, over the noise."""
-        return self.rmse_extended_rad_s / max(self.noise_floor_rad_s, 1e-12)
 
 
 def held_out_gain(problem: Problem, foretold: Sequence[Array], *, alone: bool = False) -> Gain:
@@ -58,12 +57,28 @@ def held_out_gain(problem: Problem, foretold: Sequence[Array], *, alone: bool = 
     sums = []
     for stretch, change, mask in zip(problem.stretches, foretold, problem.masks, strict=True):
         rows = stretch.use if alone else stretch.use & mask
-        level = problem.noise.level_rad_s(replace(stretch, moment_rad_s=0.0))
-        plain = stretch.residual_rad_s
-        squares = (plain**2, (plain - change) ** 2, level**2, np.ones(rows.size))
+        calm, plain = problem.noise.calm_rad_s(stretch), stretch.residual_rad_s
+        squares = (plain**2, (plain - change) ** 2, calm**2, np.ones(rows.size))
         block = block_of(stretch)[rows]
         sums.append([np.bincount(block, weights=v[rows], minlength=BLOCKS) for v in squares])
     return gain_of_blocks(np.concatenate(sums, axis=1))
+
+
+def left_over(problem: Problem, foretold: Sequence[Array], *, alone: bool = False) -> float:
+    """Return the rms of what effects leave, over that which the model's own runs show there.
+
+    Parameters
+    ----------
+    problem, foretold, alone
+        As in `held_out_gain`.
+    """
+    left = usual = 1e-24
+    for stretch, change, mask in zip(problem.stretches, foretold, problem.masks, strict=True):
+        rows = stretch.use if alone else stretch.use & mask
+        level = problem.noise.level_rad_s(replace(stretch, moment_rad_s=0.0))
+        left += float(np.sum((stretch.residual_rad_s - change)[rows] ** 2))
+        usual += float(np.sum(level[rows] ** 2))
+    return float(np.sqrt(left / usual))
 
 
 def gain_of_blocks(table: Array) -> Gain:
