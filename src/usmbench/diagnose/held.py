@@ -61,6 +61,6 @@ def held(found: Found) -> Held:
     foretold = foretold_rad_s(scattered.problem, scattered.fit)
     if found.named and foretells_nothing(scattered.problem, foretold):
         return held(found.without_names)
-    scored = (scattered.problem, foretold)
-    gain = held_out_gain(*scored, alone=sporadic is not None)
-    return Held(scattered, says, sporadic, gain, left_over(*scored, alone=sporadic is not None))
+    problem, alone = scattered.problem, sporadic is not None
+    gain = held_out_gain(problem, foretold, alone=alone)
+    return Held(scattered, says, sporadic, gain, left_over(problem, foretold, alone=alone))

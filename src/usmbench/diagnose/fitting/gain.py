@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from usmbench.diagnose.cutting.stretches import Mask
 from usmbench.diagnose.fitting.blocks import BLOCKS, block_of
 from usmbench.diagnose.residual.problem import Problem
 
@@ -55,8 +56,8 @@ def held_out_gain(problem: Problem, foretold: Sequence[Array], *, alone: bool = 
         whether a motor starts in one window or in the next may hang on nothing at all.
     """
     sums = []
-    for stretch, change, mask in zip(problem.stretches, foretold, problem.masks, strict=True):
-        rows = stretch.use if alone else stretch.use & mask
+    parts = zip(problem.stretches, foretold, _scored(problem, alone=alone), strict=True)
+    for stretch, change, rows in parts:
         calm, plain = problem.noise.calm_rad_s(stretch), stretch.residual_rad_s
         squares = (plain**2, (plain - change) ** 2, calm**2, np.ones(rows.size))
         block = block_of(stretch)[rows]
@@ -72,13 +73,20 @@ def left_over(problem: Problem, foretold: Sequence[Array], *, alone: bool = Fals
     problem, foretold, alone
         As in `held_out_gain`.
     """
-    left = usual = 1e-24
-    for stretch, change, mask in zip(problem.stretches, foretold, problem.masks, strict=True):
-        rows = stretch.use if alone else stretch.use & mask
+    left, usual = 0.0, 0.0
+    parts = zip(problem.stretches, foretold, _scored(problem, alone=alone), strict=True)
+    for stretch, change, rows in parts:
         level = problem.noise.level_rad_s(replace(stretch, moment_rad_s=0.0))
         left += float(np.sum((stretch.residual_rad_s - change)[rows] ** 2))
         usual += float(np.sum(level[rows] ** 2))
-    return float(np.sqrt(left / usual))
+    return float(np.sqrt(left / max(usual, 1e-24)))
+
+
+def _scored(problem: Problem, *, alone: bool) -> list[Mask]:
+    """Rows of each stretch that count, with those that stand alone or without."""
+    if alone:
+        return [s.use for s in problem.stretches]
+    return [s.use & mask for s, mask in zip(problem.stretches, problem.masks, strict=True)]
 
 
 def gain_of_blocks(table: Array) -> Gain:
