@@ -1,7 +1,7 @@
 """Fit one effect to the whitened residual: a scan of what shapes it, its sizes to first order."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.fitting.fit import Fit
+from usmbench.diagnose.fitting.shape_ratings import Rate, Rated, as_is, charged, matched, peaks
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.base import Effect
 from usmbench.model.effects.parameter import Parameter
@@ -21,7 +22,6 @@ _ZOOM_POINTS = 7
 _AT_ONCE = 32  # shapes weighed together
 _NOTHING = 1e-18  # deviance of a change that is none
 _SLIGHT = 0.1  # of the speed: beside what changes less, another cause does what it does alone
-_TAIL = 1.0  # roughness that is worth the tail at one point, or more, from a statistic of 6 on
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,9 +44,6 @@ class _Tried:
     drop: float
     square: float
     turned: float
-
-
-Rate = Callable[[float, float], float]  # what a drop and the square of its change are worth
 
 
 def fit_effect(problem: Problem, effect: Effect, given: Sequence[Applied] = ()) -> Fit:
@@ -90,33 +87,8 @@ def sharpen(problem: Problem, fit: Fit, given: Sequence[Applied] = ()) -> Fit:
     axes = search.axes(scanned)
     best = (dict(last.values), fit.statistic)
     for p, axis in zip(scanned, axes, strict=True):
-        best = search.zoomed(best, p, axis, scanned, sized, _as_is)
+        best = search.zoomed(best, p, axis, scanned, sized, as_is)
     return Fit((*given, Applied(last.effect, best[0])), best[1], fit.roughness)
-
-
-def _as_is(drop: float, square: float) -> float:
-    """Rate values by the deviance they take away."""
-    return drop
-
-
-def _matched(drop: float, square: float) -> float:
-    """Rate values by what a free size of their change would take away.
-
-    Between the right value and its neighbours on a grid a jagged change does more harm than good.
-    """
-    along = max(0.5 * (drop + square), 0.0)
-    return along**2 / square if square > 0.0 else 0.0
-
-
-def _charged(turned: float, reached: float) -> float:
-    """Roughness to charge an effect for whose shape is its size.
-
-    A little of it lies at the beginning, where all looks alike, and must not pay for the rest of
-    the way: half of the level is kept for the first radian.
-    """
-    if turned <= 1.0:
-        return turned
-    return 2.0 * (1.0 if reached <= 1.0 else turned) + _TAIL
 
 
 def _angle_rad(products: Array, one: int, other: int) -> float:
@@ -187,7 +159,7 @@ class _Search:
 
     def _sized(
         self, shape: Mapping[str, float], sized: Sequence[Parameter], normal: Array, slope: Array
-    ) -> tuple[dict[str, float], float]:
+    ) -> Rated:
         """Return the best sizes at fixed shape, to first order, and the drop they bring."""
         if not sized:
             return dict(shape), float(2.0 * slope[0] - normal[0, 0])
@@ -207,8 +179,8 @@ class _Search:
             {p.name: float(x) for p, x in zip(scanned, point, strict=True)}
             for point in product(*self.axes(scanned))
         ]
-        best: tuple[dict[str, float], float] | None = None
-        near: tuple[dict[str, float], float] = ({}, 0.0)
+        best: Rated | None = None
+        near: list[Rated] = []
         turned, reached = 0.0, 0.0
         alone = self._beside_little()
         for tried in self.best(shapes, sized, alone=alone):
@@ -216,47 +188,42 @@ class _Search:
             if best is None or tried.drop > best[1]:
                 best, reached = (tried.values, tried.drop), turned
             if self._effect.jagged:
-                worth = _matched(tried.drop, tried.square)
-                near = max(near, (tried.values, worth), key=lambda found: found[1])
+                near.append((tried.values, matched(tried.drop, tried.square)))
         if best is None:
             raise ValueError(f"{self._effect.name}: the grid of its scanned parameters is empty")
         if alone:
             best = self.exactly({p.name: best[0][p.name] for p in scanned}, sized)
-        if near[1] > 0.0:
-            best = max(best, self._caught(near, scanned), key=lambda found: found[1])
+        caught = [self._caught(peak, scanned) for peak in peaks(near)]
+        best = max([best, *caught], key=lambda found: found[1])
         if sized or self._effect.jagged:
             return *best, turned
-        return *best, _charged(turned, reached)
+        return *best, charged(turned, reached)
 
     def axes(self, scanned: Sequence[Parameter]) -> list[Array]:
         """Return the values at which each parameter is tried first."""
         grids = self._effect.grid([s.context for s in self._problem.stretches])
         return [np.clip(grids[p.name], p.low, p.high) for p in scanned]
 
-    def _caught(
-        self, near: tuple[dict[str, float], float], scanned: Sequence[Parameter]
-    ) -> tuple[dict[str, float], float]:
+    def _caught(self, near: Rated, scanned: Sequence[Parameter]) -> Rated:
         """Close in on what the scan of a jagged effect came near; return the drop there."""
         for p, axis in zip(scanned, self.axes(scanned), strict=True):
-            near = self.zoomed(near, p, axis, scanned, (), _matched)
+            near = self.zoomed(near, p, axis, scanned, (), matched)
         return self.exactly(near[0], ())
 
-    def exactly(
-        self, shape: Mapping[str, float], sized: Sequence[Parameter]
-    ) -> tuple[dict[str, float], float]:
+    def exactly(self, shape: Mapping[str, float], sized: Sequence[Parameter]) -> Rated:
         """Return the best values at one shape beside what is given, and the drop they bring."""
         (tried,) = self.best([shape], sized)
         return tried.values, tried.drop
 
     def zoomed(
         self,
-        best: tuple[dict[str, float], float],
+        best: Rated,
         parameter: Parameter,
         axis: Array,
         scanned: Sequence[Parameter],
         sized: Sequence[Parameter],
         rate: Rate,
-    ) -> tuple[dict[str, float], float]:
+    ) -> Rated:
         """Try ever finer values of one scanned parameter, the others held."""
         near = axis
         for _ in range(_JAGGED_ROUNDS if self._effect.jagged else _ZOOM_ROUNDS):

@@ -12,7 +12,8 @@ from usmbench.model.effects.parameter import Parameter
 _MEANING = "The generator sets the phase on a coarse grid instead of where it is commanded."
 _MEND = "Read the generator's phase register back, and check how many of its bits are written."
 _COARSEST_DEG = 60.0
-_FINEST_DEG, _COARSE_DEG = 0.7, 10.0
+_FINEST_DEG, _COARSE_DEG = 0.35, 10.0
+_LONG, _FINEST_IN_LONG_DEG = 200_000, 0.7  # windows; finer ones would take half a minute there
 _MANY = 50  # phases: twice the levels of a fine staircase
 _MEANT = 1e-3  # of a usual step: nearer than that nobody builds another
 _SAME_STEP = 1e-9  # a commanded multiple must not fall below itself by rounding
@@ -81,7 +82,8 @@ class RoundedPhase(Effect):
 
         Between two neighbours no phase then moves by more than half a step, nor by a quarter of a
         coarse one, which leaves few levels to tell it by. Where phases are few, a step finer than
-        they lie apart could bend them into any smooth shape: there only usual ones are tried.
+        they lie apart could bend them into any smooth shape: there only usual ones are tried, and
+        below a third of a degree everywhere.
 
         Parameters
         ----------
@@ -90,7 +92,9 @@ class RoundedPhase(Effect):
         """
         apart_deg = 0.0 if _many_phases(contexts) else _apart_deg(contexts)
         farthest_deg = max(float(np.max(np.abs(c.phase_deg))) for c in contexts)
-        fine = np.arange(1.0, farthest_deg / _FINEST_DEG, 0.5)
+        long = sum(c.n for c in contexts) > _LONG
+        finest_deg = _FINEST_IN_LONG_DEG if long else _FINEST_DEG
+        fine = np.arange(1.0, farthest_deg / finest_deg, 0.5)
         coarse = np.arange(1.0, farthest_deg / _COARSE_DEG, 0.25)
         free = farthest_deg / np.r_[fine, coarse]
         tried = np.unique([*_USUAL_DEG, *free[free >= apart_deg]])

@@ -26,7 +26,7 @@ CURVE = StaticCurve(
 )
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(6))
 def test_a_step_between_two_of_the_grid_is_found_among_random_phases(seed: int) -> None:
     draw = np.random.default_rng([seed, 8])
     effect = find_effect("phase_quantisation", ("rounded", "cut off")[seed % 2])
@@ -37,7 +37,7 @@ def test_a_step_between_two_of_the_grid_is_found_among_random_phases(seed: int) 
     context = Context(t_s, WINDOW_S, phase_deg, CURVE.speed_rad_s, model.linear)
     # As far from both neighbours as a step can be.
     grid_deg = effect.grid([context])["step_deg"]
-    k = int(draw.choice(np.flatnonzero((grid_deg > 0.8) & (grid_deg < 6.0))))
+    k = int(draw.choice(np.flatnonzero((grid_deg > 0.4) & (grid_deg < 6.0))))
     step_deg = float(0.5 * (grid_deg[k] + grid_deg[k + 1]))
     hidden = Applied(effect, {"step_deg": step_deg})
     noise_rad_s = NOISE_RAD_S * draw.standard_normal(t_s.size)

@@ -107,7 +107,18 @@ def test_steps_are_tried_close_enough_to_meet_a_coarse_one(farthest_deg: float) 
     (steps_deg,) = RoundedPhase().grid([replace(_context(101), phase_deg=phase_deg)]).values()
     levels = farthest_deg / steps_deg[steps_deg <= farthest_deg]
     assert np.max(-np.diff(levels[levels < farthest_deg / 10.0])) <= 0.25 + 1e-9
-    assert np.max(-np.diff(levels[levels < farthest_deg / 0.8])) <= 0.5 + 1e-9
+    assert np.max(-np.diff(levels[levels < farthest_deg / 0.4])) <= 0.5 + 1e-9
+
+
+def test_a_long_run_has_no_time_for_the_finest_steps() -> None:
+    phase_deg = np.random.default_rng(1).uniform(-90.0, 90.0, 100_001)
+    context = replace(_context(phase_deg.size), phase_deg=phase_deg)
+    few, many = (
+        np.count_nonzero(RoundedPhase().grid(contexts)["step_deg"] < 0.69)
+        for contexts in ([context], [context, context])
+    )
+    assert few > 200
+    assert many < 15
 
 
 def test_what_shifts_the_voltages_acts_behind_the_register() -> None:
