@@ -75,7 +75,9 @@ def foretells_nothing(problem: Problem, foretold: Sequence[Array]) -> bool:
     residual = beyond if float(beyond @ beyond) < float(plain @ plain) else plain
     news = residual - departed
     above = float(news @ news)
-    if above > _GROSS * no_news and _removed(change, news) < _HARDLY * (above - no_news):
+    # The model's own error may lie along a change, and show it smaller or larger than it is.
+    touched = _removed(_of_it(change, news) * change, news)
+    if above > _GROSS * no_news and touched < _HARDLY * (above - no_news):
         return True
     along = problem.unsure_along([c * m for c, m in zip(foretold, problem.masks, strict=True)])
     chance = 2.0 * float(np.hypot(np.linalg.norm(change * level), along))
@@ -85,6 +87,12 @@ def foretells_nothing(problem: Problem, foretold: Sequence[Array]) -> bool:
 def _removed(change_rad_s: Array, residual_rad_s: Array) -> float:
     """By how much a change lowers a residual's sum of squares."""
     return float(change_rad_s @ (2.0 * residual_rad_s - change_rad_s))
+
+
+def _of_it(change_rad_s: Array, residual_rad_s: Array) -> float:
+    """Share of a change, none to all, that lowers a residual's sum of squares most."""
+    along = float(change_rad_s @ residual_rad_s) / max(float(change_rad_s @ change_rad_s), 1e-300)
+    return float(np.clip(along, 0.0, 1.0))
 
 
 def held_out_drop(problem: Problem, fit: Fit) -> Array:

@@ -71,6 +71,15 @@ def test_what_only_makes_up_for_what_is_expected_and_not_there_is_nothing(
     assert foretells_nothing(problem, [-expected])
 
 
+def test_what_is_expected_may_hide_half_of_a_change(
+    stretches: list[Stretch], known: Knowledge
+) -> None:
+    (stretch,) = stretches
+    expected = known.expected_rad_s(stretch)
+    problem = problem_of(known, stretch, -expected)
+    assert not foretells_nothing(problem, [-2.0 * expected])
+
+
 @pytest.mark.parametrize(("hum_rad_s", "nothing"), [(0.0, False), (0.3, True)])
 def test_a_day_of_another_gain_is_not_what_a_small_change_has_to_touch(
     stretches: list[Stretch], known: Knowledge, hum_rad_s: float, nothing: bool
