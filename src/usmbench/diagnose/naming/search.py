@@ -17,6 +17,7 @@ from usmbench.diagnose.naming.pairs import hidden_pair
 from usmbench.diagnose.naming.ranking import SIGNIFICANT, Ranked, rank
 from usmbench.diagnose.naming.remainder import LOUD
 from usmbench.diagnose.naming.stepwise import Named, name_causes, noise_spread
+from usmbench.diagnose.naming.weighed_again import weighed_again
 from usmbench.diagnose.noise.noise_estimate import noise_as_stated
 from usmbench.diagnose.noise.noise_model import Noise
 from usmbench.diagnose.noise.spikes import are_exceptions, off_steps, spiked, steady
@@ -134,6 +135,7 @@ class _Weighed:
         before = whole_test(self.problem, self.basis, (), named.spread)
         if not named.fit.effects:
             return Found(self.problem, named.spread, self.ranked, [], named.fit, before, before)
+        named = weighed_again(named)
         after = doubted_test(named.problem, named.fit.effects, named.spread)
         ranked, names = self.ranked, named.rankings
         return Found(named.problem, named.spread, ranked, names, named.fit, before, after)

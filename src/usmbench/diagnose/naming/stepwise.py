@@ -26,6 +26,7 @@ from usmbench.diagnose.residual.views import omnibus
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
 
+_RIVALS = 2  # of the first of two causes: each takes as long as one more cause
 _MOST_CAUSES = 3  # two are named at most: a third only shows that they are patches
 # For what healthy runs show anyhow; see "nothing hidden" in benchmarks/naming_campaign.py.
 _UNUSUAL = 1e-9
@@ -205,8 +206,8 @@ def _together(
 
     A cause that looks a little like two others is the best alone, and is neither.
     """
-    problem, (first,), spread = found.problem, found.rankings, found.spread
-    brings = found.fit.statistic + second[0].fit.statistic
+    problem, spread = found.problem, found.spread
+    first, second, brings = _best_start(effects, found, second)
     for _ in range(_TURNS):
         kept = second[0]
         alone = refine_widely(problem, replace(kept.fit, effects=kept.fit.effects[-1:]))
@@ -219,6 +220,25 @@ def _together(
             break
         first, second, brings = second, again, more
     return [first], second
+
+
+def _best_start(
+    effects: Sequence[Effect], found: Named, second: list[Ranked]
+) -> tuple[list[Ranked], list[Ranked], float]:
+    """Return the first of two causes, the other, and what both bring.
+
+    What explains about as much as the first may explain more with another beside it.
+    """
+    problem, (first,), spread = found.problem, found.rankings, found.spread
+    best = (first, second, found.fit.statistic + second[0].fit.statistic)
+    for rival in nearest(first)[1 : 1 + _RIVALS]:
+        alone = refine_widely(problem, rival.fit)
+        others = [e for e in effects if e.name != rival.effect.name]
+        beside = rank(problem, others, spread, alone)
+        brings = alone.statistic + beside[0].fit.statistic
+        if brings > best[2] + TELLING * spread**2:
+            best = ([rival, *(r for r in first if r is not rival)], beside, brings)
+    return best
 
 
 def noise_spread(problem: Problem, basis: Basis, effects: Sequence[Applied]) -> float:

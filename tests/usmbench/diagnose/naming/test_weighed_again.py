@@ -1,0 +1,53 @@
+"""Rivals of two causes weighed once more, in the motor that shows both."""
+
+from dataclasses import replace
+
+import pytest
+
+from known_motor import applied, identified, measured
+from usmbench.diagnose.fitting.fit import Fit
+from usmbench.diagnose.fitting.refining import refine
+from usmbench.diagnose.naming.found import Found
+from usmbench.diagnose.naming.ranking import Ranked, alternatives
+from usmbench.diagnose.naming.stepwise import Named
+from usmbench.diagnose.naming.weighed_again import weighed_again
+from usmbench.diagnose.pipeline import searched
+from usmbench.diagnose.residual.own_effects import cut_beside_own
+from usmbench.model.extended import Applied
+
+DELAY = applied("transport_delay", "", delay_s=0.0137)
+SCALE = applied("speed_scale", "", scale_error=-0.15)
+CRYSTAL = applied("crystal_error", "", speed_lost=0.15, held_back_rad_s=0.0)
+
+
+@pytest.fixture(scope="module")
+def found() -> Found:
+    stretches, _ = cut_beside_own([measured(300, DELAY, SCALE)], identified())
+    return searched(stretches, identified())
+
+
+def ranked(found: Found, other: Applied, last: Applied, score: float) -> Ranked:
+    """Return a cause beside another, said to be worth so much."""
+    fit = refine(found.problem, Fit((other, last), found.problem.drop((other, last)), 0.0))
+    return Ranked(last.effect, fit, score + 8.0, 0.0, score)
+
+
+def test_what_looks_the_same_comes_after_what_costs_less(found: Found) -> None:
+    """Though in a motor that does not show the scale it was worth a third more."""
+    delay = ranked(found, SCALE, DELAY, 1e6)
+    crystal, scale = ranked(found, DELAY, CRYSTAL, 8e4), ranked(found, DELAY, SCALE, 6e4)
+    crystal = replace(crystal, statistic=8e4 + 16.0)
+    named = Named(found.problem, [[delay], [crystal, scale]], crystal.fit, 1.0)
+    again = weighed_again(named)
+    assert [ranking[0].effect.name for ranking in again.rankings] == [
+        "transport_delay",
+        "speed_scale",
+    ]
+    assert alternatives(again.rankings[1]) == ("crystal_error",)
+    assert {a.effect.name for a in again.fit.effects} == {"transport_delay", "speed_scale"}
+    assert again.fit.statistic == pytest.approx(crystal.fit.statistic, abs=10.0)
+
+
+def test_one_name_is_left_as_it_is(found: Found) -> None:
+    named = Named(found.problem, [[ranked(found, SCALE, DELAY, 1e6)]], found.fit, 1.0)
+    assert weighed_again(named) is named
