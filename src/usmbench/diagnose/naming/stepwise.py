@@ -19,6 +19,7 @@ from usmbench.diagnose.naming.ranking import (
     same_shape,
     undecided,
 )
+from usmbench.diagnose.naming.roughly import roughly_beside
 from usmbench.diagnose.naming.worth import First, worth_a_name
 from usmbench.diagnose.residual.basis import Basis
 from usmbench.diagnose.residual.problem import Problem
@@ -26,7 +27,7 @@ from usmbench.diagnose.residual.views import omnibus
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
 
-_RIVALS = 2  # of the first of two causes: each takes as long as one more cause
+_RIVALS = 2  # of the first of two causes, since each takes time
 _MOST_CAUSES = 3  # two are named at most: a third only shows that they are patches
 # For what healthy runs show anyhow; see "nothing hidden" in benchmarks/naming_campaign.py.
 _UNUSUAL = 1e-9
@@ -233,10 +234,18 @@ def _best_start(
     best = (first, second, found.fit.statistic + second[0].fit.statistic)
     for rival in nearest(first)[1 : 1 + _RIVALS]:
         alone = refine_widely(problem, rival.fit)
-        others = [e for e in effects if e.name != rival.effect.name]
-        beside = rank(problem, others, spread, alone)
+        others = [r for r in second if r.effect.name != rival.effect.name]
+        near = list(roughly_beside(problem, others, alone.effects))
+        if not near:
+            continue
+        other, _ = max(near, key=lambda pair: pair[1])
+        both = (*alone.effects, other.fit.effects[-1])
+        least = best[2] + TELLING * spread**2
+        if refine_widely(problem, Fit(both, problem.drop(both), 0.0)).statistic <= least:
+            continue
+        beside = rank(problem, [e for e in effects if e.name != rival.effect.name], spread, alone)
         brings = alone.statistic + beside[0].fit.statistic
-        if brings > best[2] + TELLING * spread**2:
+        if brings > least:
             best = ([rival, *(r for r in first if r is not rival)], beside, brings)
     return best
 

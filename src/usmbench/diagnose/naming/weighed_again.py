@@ -4,16 +4,14 @@ A cause is weighed beside what is named before it, in a motor that differs from 
 without it. Of a motor that is slower by a sixth that is far off.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.refining import refine
-from usmbench.diagnose.fitting.scanning import fit_effect
 from usmbench.diagnose.naming.ranking import Ranked
+from usmbench.diagnose.naming.roughly import roughly_beside
 from usmbench.diagnose.naming.stepwise import Named
-from usmbench.diagnose.residual.problem import Problem
-from usmbench.model.extended import Applied
 
 # Of what the name brings: less is no rival. How many, since each takes time. Nothing measured
 # sets either.
@@ -46,7 +44,7 @@ def _ranked_again(named: Named, fit: Fit, ranking: list[Ranked]) -> Iterator[Ran
     yield replace(best, fit=replace(fit, effects=(*rest, own)))
     others = [r for r in ranking if r.effect.name not in {a.effect.name for a in fit.effects}]
     least = _HALF * (fit.statistic - problem.drop(rest))
-    near = [(r, beside) for r, beside in _beside(problem, others, rest) if beside > least]
+    near = [(r, beside) for r, beside in roughly_beside(problem, others, rest) if beside > least]
     rivals: dict[str, Ranked] = {}
     for rival, _ in sorted(near, key=lambda pair: -pair[1]):
         rivals.setdefault(rival.effect.name, rival)
@@ -56,22 +54,6 @@ def _ranked_again(named: Named, fit: Fit, ranking: list[Ranked]) -> Iterator[Ran
         brings = best.statistic + (other.statistic - fit.statistic) / named.spread**2
         yield replace(rival, fit=other, statistic=brings, score=brings - _price(rival))
     yield from (r for r in ranking[1:] if r.effect.name not in rivals)
-
-
-def _beside(
-    problem: Problem, others: Sequence[Ranked], rest: Sequence[Applied]
-) -> Iterator[tuple[Ranked, float]]:
-    """Yield what each brings beside the other names, what is scanned where it was found before."""
-    without = problem.drop(rest)
-    for other in others:
-        effect = other.effect
-        if other.misfit > 0.0:
-            continue
-        if any(p.scanned for p in effect.parameters):
-            yield other, problem.drop((*rest, other.fit.effects[-1])) - without
-        else:
-            found = fit_effect(problem, effect, rest)
-            yield replace(other, fit=found), found.statistic
 
 
 def _price(ranked: Ranked) -> float:

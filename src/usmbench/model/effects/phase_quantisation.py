@@ -13,7 +13,7 @@ _MEANING = "The generator sets the phase on a coarse grid instead of where it is
 _MEND = "Read the generator's phase register back, and check how many of its bits are written."
 _COARSEST_DEG = 60.0
 _FINEST_DEG, _COARSE_DEG = 0.35, 10.0
-_LONG, _FINEST_IN_LONG_DEG = 200_000, 0.7  # windows; finer ones would take half a minute there
+_LONG, _FINEST_IN_LONG_DEG = 20_000, 0.7  # windows; finer ones would take a third more time there
 _MANY = 50  # phases: twice the levels of a fine staircase
 _MEANT = 1e-3  # of a usual step: nearer than that nobody builds another
 _SAME_STEP = 1e-9  # a commanded multiple must not fall below itself by rounding
@@ -83,7 +83,7 @@ class RoundedPhase(Effect):
         Between two neighbours no phase then moves by more than half a step, nor by a quarter of a
         coarse one, which leaves few levels to tell it by. Where phases are few, a step finer than
         they lie apart could bend them into any smooth shape: there only usual ones are tried, and
-        below a third of a degree everywhere.
+        below a third of a degree everywhere, in long runs below 0.7.
 
         Parameters
         ----------

@@ -1,0 +1,32 @@
+"""What causes bring beside others, without a scan: each with the shape that it was found with."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from usmbench.diagnose.fitting.scanning import fit_effect
+from usmbench.diagnose.naming.ranking import Ranked
+from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.extended import Applied
+
+
+def roughly_beside(
+    problem: Problem, found: Sequence[Ranked], others: Sequence[Applied]
+) -> Iterator[tuple[Ranked, float]]:
+    """Yield each cause with what it brings beside others.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    found
+        Causes as they were found elsewhere; one that has a misfit there is left out.
+    others
+        Effects that are held.
+    """
+    without = problem.drop(others)
+    for ranked in (r for r in found if r.misfit == 0.0):
+        if any(p.scanned for p in ranked.effect.parameters):
+            yield ranked, problem.drop((*others, ranked.fit.effects[-1])) - without
+        else:
+            fit = fit_effect(problem, ranked.effect, others)
+            yield replace(ranked, fit=fit), fit.statistic
