@@ -12,8 +12,9 @@ from usmbench.model.effects.parameter import Parameter
 _MEANING = "The generator sets the phase on a coarse grid instead of where it is commanded."
 _MEND = "Read the generator's phase register back, and check how many of its bits are written."
 _COARSEST_DEG = 60.0
-_FINEST_DEG, _COARSE_DEG = 0.35, 10.0
-_LONG, _FINEST_IN_LONG_DEG = 20_000, 0.7  # windows; finer ones would take a third more time there
+_FINEST_DEG, _SLOW_DEG, _COARSE_DEG = 0.35, 0.7, 10.0
+_LONG = 20_000  # windows, where finer steps would take a third more time
+_COUNTS = 1.5  # that a step is worth at least; one looked like a step in healthy runs
 _MANY = 50  # phases: twice the levels of a fine staircase
 _MEANT = 1e-3  # of a usual step: nearer than that nobody builds another
 _SAME_STEP = 1e-9  # a commanded multiple must not fall below itself by rounding
@@ -44,6 +45,15 @@ def _apart_deg(contexts: Sequence[Context]) -> float:
     """How far apart neighbouring phases usually lie."""
     phase_deg = np.unique(np.concatenate([c.phase_deg for c in contexts]))
     return float(np.median(np.diff(phase_deg))) if phase_deg.size > 1 else np.inf
+
+
+def _told_from_counts_deg(context: Context) -> float:
+    """Least step that is not lost among whole counts of the encoder."""
+    if context.count_rad_s is None:
+        return 0.0
+    ahead, behind = (context.settled_rad_s(context.phase_deg + x) for x in (0.5, -0.5))
+    steepest = float(np.max(np.abs(ahead - behind)))
+    return _COUNTS * context.count_rad_s / max(steepest, 1e-9)
 
 
 class RoundedPhase(Effect):
@@ -83,7 +93,8 @@ class RoundedPhase(Effect):
         Between two neighbours no phase then moves by more than half a step, nor by a quarter of a
         coarse one, which leaves few levels to tell it by. Where phases are few, a step finer than
         they lie apart could bend them into any smooth shape: there only usual ones are tried, and
-        below a third of a degree everywhere, in long runs below 0.7.
+        below a third of a degree everywhere. They are, too, below 0.7 in long runs, and where a
+        step is worth no more than a count: whole counts make such ripples themselves.
 
         Parameters
         ----------
@@ -93,7 +104,8 @@ class RoundedPhase(Effect):
         apart_deg = 0.0 if _many_phases(contexts) else _apart_deg(contexts)
         farthest_deg = max(float(np.max(np.abs(c.phase_deg))) for c in contexts)
         long = sum(c.n for c in contexts) > _LONG
-        finest_deg = _FINEST_IN_LONG_DEG if long else _FINEST_DEG
+        least_deg = np.inf if long else max(map(_told_from_counts_deg, contexts))
+        finest_deg = float(np.clip(least_deg, _FINEST_DEG, _SLOW_DEG))
         fine = np.arange(1.0, farthest_deg / finest_deg, 0.5)
         coarse = np.arange(1.0, farthest_deg / _COARSE_DEG, 0.25)
         free = farthest_deg / np.r_[fine, coarse]

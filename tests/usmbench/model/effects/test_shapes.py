@@ -121,6 +121,20 @@ def test_a_long_run_has_no_time_for_the_finest_steps() -> None:
     assert many < 15
 
 
+@pytest.mark.parametrize(
+    ("count_rad_s", "finest_deg"), [(None, 0.35), (0.1, 0.35), (0.4, 0.6), (5.0, 0.7)]
+)
+def test_a_step_worth_no_more_than_a_count_is_lost_among_whole_counts(
+    count_rad_s: float | None, finest_deg: float
+) -> None:
+    """The curve of the context rises by 1 rad/s a degree."""
+    phase_deg = np.random.default_rng(1).uniform(-90.0, 90.0, 2000)
+    context = replace(_context(2000), phase_deg=phase_deg, count_rad_s=count_rad_s)
+    (steps_deg,) = RoundedPhase().grid([context]).values()
+    assert np.count_nonzero(steps_deg < finest_deg - 0.01) < 10
+    assert np.count_nonzero(steps_deg < finest_deg + 0.02) > 10
+
+
 def test_what_shifts_the_voltages_acts_behind_the_register() -> None:
     context = replace(_context(50), phase_deg=np.linspace(-40.0, 40.0, 50))
     rounded = Applied(RoundedPhase(), {"step_deg": 5.0})
