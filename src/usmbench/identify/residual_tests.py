@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_triangular
+from scipy.linalg import eigh, solve_triangular
 from scipy.special import chdtrc, fdtrc
 
 from usmbench.identify.linearised import Linearisation
@@ -84,7 +84,7 @@ class FittedRows:
             self._project(both)
         size = np.sqrt(np.maximum(power, 1e-300))
         products = sum((block.T @ block for block in both), np.zeros(1)) / np.outer(size, size)
-        share, axes = np.linalg.eigh(products[:-1, :-1])
+        share, axes = eigh(products[:-1, :-1])
         fresh = share > _RANK
         told = axes[:, fresh].T @ products[:-1, -1]
         whole = float(power[-1])

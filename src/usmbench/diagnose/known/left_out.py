@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import eigh
 
 from usmbench.diagnose.known.features import Features
 from usmbench.diagnose.known.learning import Learnt
@@ -87,12 +88,12 @@ def _beyond(extra: Array, grams: Array, slopes: Array) -> float:
     more[: extra.size] = extra**2
     found = expected = 0.0
     for gram, covariance, score in _left_out(grams, slopes):
-        variance, axes = np.linalg.eigh(covariance + np.diag(more))
+        variance, axes = eigh(covariance + np.diag(more))
         taught = variance < _TAUGHT
         unknown = np.diag(np.where(taught, 0.0, 1.0 / variance))
         left, toward = beside(axes.T @ gram @ axes + unknown, axes.T @ score, taught)
         unit = np.sqrt(variance[taught])
-        power, ways = np.linalg.eigh(unit[:, None] * left * unit)
+        power, ways = eigh(unit[:, None] * left * unit)
         shown = power > _SHOWN
         power = power[shown]
         square = (ways[:, shown].T @ (unit * toward)) ** 2 / (power * (1.0 + power))

@@ -2,7 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import helmert
+from scipy.linalg import eigh, helmert
 from scipy.stats import chi2
 from scipy.stats import t as student
 
@@ -136,7 +136,7 @@ def _plausible(
     own = np.tile(which, slope.shape[0])
     known = np.where(own, 0.0, 1.0 / np.tile(size**2, slope.shape[0]))
     left, toward = beside(gram.reshape(n, n) + np.diag(known), slope.ravel(), own)
-    power, ways = np.linalg.eigh(left)
+    power, ways = eigh(left)
     tried = np.geomspace(floor, _BEYOND, _TRIED)
     squares = tried[:, None] ** 2
     seen = 1.0 + squares * np.maximum(power, 0.0)

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import matmul_toeplitz
+from scipy.linalg import eigh, matmul_toeplitz
 from scipy.signal import lfilter
 
 from usmbench.identify.noise import autoregression
@@ -73,7 +73,7 @@ def taken_by_fit(fitted: Sequence[Array], left: Array, n: float) -> Array:
 def _hat(columns: Sequence[Array]) -> tuple[list[Array], Array]:
     """Return Q, cut as the stretches are, and h of ``H = Q diag(h) Qᵀ``."""
     stacked = np.concatenate(list(columns))
-    power, ways = np.linalg.eigh(stacked.T @ stacked)
+    power, ways = eigh(stacked.T @ stacked)
     share = np.maximum(power, 0.0) / (1.0 + np.maximum(power, 0.0))
     worth = share > _LEAST_SHARE
     basis = stacked @ (ways[:, worth] / np.sqrt(power[worth]))

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import eigh
 
 Array = NDArray[np.float64]
 
@@ -39,9 +40,7 @@ class Basis:
         kept = np.flatnonzero(size > 1e-9 * max(float(size.max(initial=0.0)), 1e-300))
         if kept.size == 0:
             return cls(columns, np.zeros((size.size, 0)))
-        values, vectors = np.linalg.eigh(
-            products[np.ix_(kept, kept)] / np.outer(size[kept], size[kept])
-        )
+        values, vectors = eigh(products[np.ix_(kept, kept)] / np.outer(size[kept], size[kept]))
         good = values > _RANK * values[-1]
         amounts = np.zeros((size.size, np.count_nonzero(good)))
         amounts[kept] = vectors[:, good] / np.sqrt(values[good]) / size[kept, None]

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import eigh
 from scipy.sparse import csr_array
 
 from usmbench.diagnose.residual.columns import Columns
@@ -52,7 +53,7 @@ class Carrier:
             Square root of the shapes' covariance, shape (S, L).
         """
         judged = shapes.filtered(whitening)
-        power, ways = np.linalg.eigh(root.T @ judged.gram @ root)
+        power, ways = eigh(root.T @ judged.gram @ root)
         shown = power > _HIDDEN
         return cls(whitening, judged, root @ ways[:, shown], 1.0 + power[shown])
 
