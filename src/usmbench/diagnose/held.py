@@ -9,10 +9,6 @@ from usmbench.diagnose.naming.sporadic import Sporadic, find_sporadic
 from usmbench.diagnose.residual.whole import PLAINLY
 from usmbench.diagnose.result import Verdict
 
-# What gains next to nothing has to be surer: such names were mostly wrong where chance is not
-# (docs/decisions/0006-naming-causes.md).
-_LITTLE, _SURE = 0.02, 1e-3
-
 
 @dataclass(frozen=True, slots=True)
 class Held:
@@ -67,6 +63,4 @@ def held(found: Found) -> Held:
         return held(found.without_names)
     problem, alone = scattered.problem, sporadic is not None
     gain = held_out_gain(problem, foretold, alone=alone)
-    if found.named and gain.gain < _LITTLE and min(r[0].p_value for r in found.named) > _SURE:
-        return held(found.without_names)
     return Held(scattered, says, sporadic, gain, left_over(problem, foretold, alone=alone))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from known_motor import NOISE_RAD_S, applied, driven, identified, measured
+from known_motor import NOISE_RAD_S, applied, driven, identified
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.held import held
 from usmbench.diagnose.pipeline import searched
@@ -29,18 +29,3 @@ def test_names_that_do_not_stand_say_nothing_against_false_counts(false_counts: 
     assert (stands.verdict, names) == (
         ("explained", ["count_glitches"]) if false_counts else ("unexplained", [])
     )
-
-
-@pytest.mark.parametrize(
-    ("gained", "p_value", "stands"), [(0.01, 2e-3, False), (0.01, 5e-4, True), (0.03, 2e-3, True)]
-)
-def test_a_name_that_gains_next_to_nothing_has_to_be_surer(
-    monkeypatch: pytest.MonkeyPatch, gained: float, p_value: float, stands: bool
-) -> None:
-    record = measured(9, applied("phase_offset", "", offset_deg=0.5))
-    found = searched(cut_beside_own([record], identified())[0], identified())
-    assert found.names == ("phase_offset",)
-    gain = replace(held(found).gain, gain=gained)
-    monkeypatch.setattr("usmbench.diagnose.held.held_out_gain", lambda *_, **__: gain)
-    unsure = [replace(ranked, p_value=p_value) for ranked in found.named[0]]
-    assert bool(held(replace(found, named=[unsure])).found.named) == stands
