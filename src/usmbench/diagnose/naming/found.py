@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import chi2
 
 from usmbench.diagnose.cutting.stretches import Mask
 from usmbench.diagnose.fitting.fit import NOTHING, Fit
@@ -89,8 +90,14 @@ class Found:
 
     @property
     def plain(self) -> bool:
-        """Whether the views show something, or the rows scatter widely, that nothing excuses."""
-        return self.spread > LOUD or self.before.beyond(PLAINLY, _LEAST_EXCESS)
+        """Whether views or rows show something, or these scatter widely, that nothing excuses.
+
+        What moves an edge of the dead zone only some of the time is in few rows, and in no view.
+        """
+        n_rows, beyond = self.problem.n_rows, self.beyond_noise
+        rows = Whole(beyond, float(chi2.sf(beyond + n_rows, n_rows)), n_rows)
+        shown = any(w.beyond(PLAINLY, _LEAST_EXCESS) for w in (self.before, rows))
+        return shown or self.spread > LOUD
 
     @property
     def off_in_all(self) -> float:

@@ -2,9 +2,10 @@
 
 from unittest.mock import Mock
 
+import numpy as np
 import pytest
 
-from known_motor import applied, judged
+from known_motor import NOISE_RAD_S, applied, judged
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.naming.found import Found, verdict_on
 from usmbench.diagnose.naming.ranking import Ranked
@@ -105,13 +106,22 @@ def test_what_has_no_name_counts_window_by_window(share: float, verdict: str) ->
     assert verdict_on(Found(problem, 1.0, [], [], fit, found, found), None) == verdict
 
 
+@pytest.mark.parametrize(("times", "verdict"), [(2.0, "no_discrepancy"), (6.0, "unexplained")])
+def test_what_few_rows_show_and_no_view_does_is_unexplained(times: float, verdict: str) -> None:
+    problem = judged(1.0)
+    problem.residual_rad_s[0][::40] += times * NOISE_RAD_S * np.tile([1.0, -1.0], 25)
+    again = problem.weighed(problem.noise, problem.masks)
+    quiet = Whole(0.0, 1.0, again.n_rows)
+    assert verdict_on(Found(again, 1.0, [], [], Fit((), 0.0, 0.0), quiet, quiet), None) == verdict
+
+
 @pytest.mark.parametrize(("share", "verdict"), [(0.3, "no_discrepancy"), (0.9, "explained")])
 def test_single_windows_are_the_matter_where_most_of_what_is_off_is_in_them(
     share: float, verdict: str
 ) -> None:
-    problem = judged(1.8)
+    problem = judged(1.1)
     quiet = Whole(0.0, 1.0, problem.n_rows)
-    found = Found(problem, 1.0, [], [], Fit((), 0.0, 0.0), quiet, quiet)
+    found = Found(problem, 1.1, [], [], Fit((), 0.0, 0.0), quiet, quiet)
     assert found.off_in_all > 0.0
     lone = Mock(spec=Sporadic, deviance=share * found.off_in_all)
     assert verdict_on(found, lone) == verdict
