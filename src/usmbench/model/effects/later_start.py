@@ -96,10 +96,10 @@ def beyond(
     way, least_rad_s = np.sign(signal), standing_rad_s(context)
     # Of two ways to wire a motor, one runs backwards at a positive phase.
     outward = way * np.copysign(1.0, np.sum(context.phase_deg * signal))
-    before_rad_s = context.settled_rad_s(
-        context.phase_deg - outward * np.where(np.isin(way, sides), later_deg, 0.0)
-    )
-    runs: NDArray[np.bool_] = (np.abs(signal) > least_rad_s) & (way * before_rad_s > least_rad_s)
+    nearer_deg = context.phase_deg - outward * np.where(np.isin(way, sides), later_deg, 0.0)
+    # An identified curve is not quite 0 in the dead zone: beyond its middle, no rotor runs.
+    outside = (way * context.settled_rad_s(nearer_deg) > least_rad_s) & (outward * nearer_deg > 0.0)
+    runs: NDArray[np.bool_] = (np.abs(signal) > least_rad_s) & outside
     return runs
 
 

@@ -90,6 +90,26 @@ def test_a_curve_that_dips_below_zero_before_a_jump_starts_at_the_jump() -> None
     assert tried[0] == pytest.approx(0.5 * (12.0 - 9.915), abs=0.02)
 
 
+@given(st.floats(-90.0, -15.0), st.floats(0.5, 60.0), st.floats(1.0, 4.0))
+def test_a_rotor_does_not_run_where_an_identified_curve_bends_the_wrong_way(
+    phase_deg: float, later_deg: float, dip_rad_s: float
+) -> None:
+    """Beyond the middle of the dead zone a curve that dips there tells nothing of a start."""
+    here = np.array([60.0, phase_deg, phase_deg])
+    context = Context(WINDOW_S * np.arange(1.0, 4.0), WINDOW_S, here, CURVE.speed_rad_s, LINEAR)
+    dips = replace(
+        context,
+        settled_rad_s=lambda p: (
+            CURVE.speed_rad_s(p) - np.where((p > 0.0) & (p < 12.0), dip_rad_s, 0.0)
+        ),
+    )
+    plain_rad_s, dipping_rad_s = (
+        Sticking().apply(c.settled_rad_s(here), c, {"start_later_deg": later_deg})[1:]
+        for c in (context, dips)
+    )
+    assert np.array_equal(dipping_rad_s, plain_rad_s)
+
+
 def test_the_phases_of_several_runs_are_counted_once() -> None:
     context = context_of([float(level) for level in range(-90, 91, 5)])
     one, five = (Sticking().grid([context] * n)["start_later_deg"] for n in (1, 5))
