@@ -19,7 +19,7 @@ from usmbench.diagnose.naming.ranking import (
     same_shape,
     undecided,
 )
-from usmbench.diagnose.naming.roughly import roughly_beside
+from usmbench.diagnose.naming.roughly_beside import roughly_beside
 from usmbench.diagnose.naming.worth import First, worth_a_name
 from usmbench.diagnose.residual.basis import Basis
 from usmbench.diagnose.residual.problem import Problem

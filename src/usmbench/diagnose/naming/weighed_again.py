@@ -10,7 +10,7 @@ from dataclasses import replace
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.refining import refine
 from usmbench.diagnose.naming.ranking import Ranked
-from usmbench.diagnose.naming.roughly import roughly_beside
+from usmbench.diagnose.naming.roughly_beside import roughly_beside
 from usmbench.diagnose.naming.stepwise import Named
 
 # Of what the name brings: less is no rival. How many, since each takes time. Nothing measured
