@@ -59,7 +59,8 @@ def run(args: argparse.Namespace) -> int:
     _check(args)
     outputs = {"--out": args.out, "--trace": args.trace, "--json": args.json}
     check_outputs(outputs, args.runs)
-    records = [read_run(path) for path in args.runs]
+    # In one order whichever they are given in: where a search ends may hang on it.
+    records = [read_run(path) for path in sorted(args.runs, key=lambda run: (run.name, run))]
     found = _identify(args, records)
     write_model(args.out, with_knowledge(found.model, records))
     warn(found.warnings)

@@ -62,6 +62,15 @@ def test_model_and_figures_are_written(
     check_contract("identify", figures)
 
 
+def test_runs_give_the_same_model_in_any_order(run_csv: Run, tmp_path: Path) -> None:
+    runs = [str(run_csv(f"{n}.csv", n=n)) for n in (1200, 900, 1500)]
+    models = []
+    for k, order in enumerate((runs, runs[::-1], [runs[1], runs[2], runs[0]])):
+        models.append(tmp_path / f"model{k}.yaml")
+        assert main(["identify", *order, "--out", str(models[k])]) == 0
+    assert len({model.read_text() for model in models}) == 1
+
+
 def test_several_points_are_listed(run_csv: Run, tmp_path: Path) -> None:
     runs = [
         str(run_csv("a.csv", columns=",41000,0")),
