@@ -29,6 +29,7 @@ from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
 
 _MOST_POINTS = 3000
+_FARTHER = 1.1  # times the rms: such a name stands only where a day hides it
 
 
 def described(
@@ -89,6 +90,12 @@ def _warnings(held: Held) -> Iterator[str]:
     found = held.found
     yield from unknown_moments(found.problem.stretches)
     yield from said_beside(found, held.verdict)
+    if found.named and held.gain.rmse_extended_rad_s > _FARTHER * held.gain.rmse_simulation_rad_s:
+        yield (
+            f"another day's motor, as far off as its model's runs have shown, hides "
+            f"{found.names[0]} here: the extended model is farther from these runs "
+            "than the one given, and its gain shows on another day"
+        )
     if held.sporadic is not None:
         yield (
             f"no simulation foresees which windows {held.sporadic.named.name} strikes: "

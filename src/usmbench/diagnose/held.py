@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from usmbench.diagnose.fitting.foretold import foretells_nothing, foretold_rad_s
 from usmbench.diagnose.fitting.gain import Gain, held_out_gain, left_over
 from usmbench.diagnose.naming.found import Found, verdict_on
+from usmbench.diagnose.naming.ranking import NO_CHANCE
 from usmbench.diagnose.naming.sporadic import Sporadic, find_sporadic
 from usmbench.diagnose.residual.whole import PLAINLY
 from usmbench.diagnose.result import Verdict
@@ -59,7 +60,9 @@ def held(found: Found) -> Held:
     if scattered is not found and scattered.after.p_value > PLAINLY:
         says = "explained"
     foretold = foretold_rad_s(scattered.problem, scattered.fit)
-    if found.named and foretells_nothing(scattered.problem, foretold):
+    # Two causes and a rare day, which hides them: there is another explanation.
+    sure = len(found.named) == 1 and found.named[0][0].p_value < NO_CHANCE
+    if found.named and foretells_nothing(scattered.problem, foretold, sure=sure):
         return held(found.without_names)
     problem, alone = scattered.problem, sporadic is not None
     gain = held_out_gain(problem, foretold, alone=alone)

@@ -39,6 +39,29 @@ def test_finds_nothing_where_nothing_is(model: HammersteinModel) -> None:
     assert 0.0 < sizes["gain_asymmetry"] < 0.05
 
 
+@pytest.fixture(scope="module")
+def wandering() -> HammersteinModel:
+    """Return the model of a motor whose gain differs by 1 % from day to day."""
+    runs = [
+        measured(seed, applied("speed_scale", "", scale_error=error))
+        for seed, error in ((1, 0.01), (2, -0.012), (101, 0.006), (102, -0.008))
+    ]
+    return with_knowledge(identify_fast(runs, FastOptions(12)).model, runs)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_names_what_another_day_hides(wandering: HammersteinModel, seed: int) -> None:
+    draw = np.random.default_rng([seed, 31])
+    faster = applied("speed_scale", "", scale_error=float(draw.uniform(0.012, 0.018)))
+    drag = applied("load_torque", "drag", drag_rad_s=float(draw.uniform(0.06, 0.12)))
+    found = diagnose([measured(40 + seed, faster, drag)], wandering)
+    (cause,) = found.causes
+    assert cause.name == "load_torque"
+    (estimate,) = cause.parameters
+    assert estimate.value == pytest.approx(drag.values["drag_rad_s"], abs=0.02)
+    assert any("its gain shows on another day" in warning for warning in found.warnings)
+
+
 @pytest.mark.parametrize(
     ("hidden", "parameter"),
     [

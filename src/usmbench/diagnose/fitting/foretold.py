@@ -40,7 +40,7 @@ def foretold_rad_s(problem: Problem, fit: Fit) -> list[Array]:
     return foretold
 
 
-def foretells_nothing(problem: Problem, foretold: Sequence[Array]) -> bool:
+def foretells_nothing(problem: Problem, foretold: Sequence[Array], *, sure: bool = False) -> bool:
     """Return whether effects foretell worse than none, or hardly touch what is plainly wrong.
 
     What fits the whitened residual may do neither where little weight lies on much of what is off.
@@ -48,7 +48,8 @@ def foretells_nothing(problem: Problem, foretold: Sequence[Array]) -> bool:
     lie along a small change, or against it. Where they do not, the plain residual counts: a change
     may only make up for it.
     Nor is wrong what another day most likely moves: one gain moves all rows at once. What makes the
-    simulation plainly worse is no correction of it, whatever else it fits.
+    simulation plainly worse is no correction of it, whatever else it fits, unless it is sure, and
+    the day that hides it no rare one.
 
     Parameters
     ----------
@@ -56,6 +57,8 @@ def foretells_nothing(problem: Problem, foretold: Sequence[Array]) -> bool:
         The problem.
     foretold
         As from `foretold_rad_s`.
+    sure
+        Whether they are one cause, and chance is ruled out for it.
     """
     left_rad_s = [r - c for r, c in zip(problem.residual_rad_s, foretold, strict=True)]
     plain, beyond, departed, change, level = (
@@ -68,9 +71,11 @@ def foretells_nothing(problem: Problem, foretold: Sequence[Array]) -> bool:
             [problem.noise.level_rad_s(s) for s in problem.stretches],
         )
     )
-    if float(np.sum((plain - change) ** 2)) > _GROSS * float(plain @ plain):
-        return True
     off_rad_s = np.concatenate(problem.unsure_rad_s(problem.masks))
+    usual = float(departed @ departed) < _BY_CHANCE**2 * float(off_rad_s @ off_rad_s)
+    worse = float(np.sum((plain - change) ** 2)) > _GROSS * float(plain @ plain)
+    if worse and not (sure and usual):
+        return True
     no_news = float(level @ level + off_rad_s @ off_rad_s)
     residual = beyond if float(beyond @ beyond) < float(plain @ plain) else plain
     news = residual - departed
