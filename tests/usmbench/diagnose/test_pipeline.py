@@ -331,7 +331,7 @@ def test_what_predicts_worse_is_no_name(
     record = measured(12, applied("phase_offset", "", offset_deg=0.5))
     (cause,) = diagnose([record], model).causes
     assert cause.name == "phase_offset"
-    monkeypatch.setattr(held, "foretells_nothing", lambda problem, foretold: True)
+    monkeypatch.setattr(held, "foretells_nothing", lambda *_, **__: True)
     found = diagnose([record], model)
     assert found.verdict == "unexplained"
     assert found.causes == ()
