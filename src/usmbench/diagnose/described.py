@@ -9,7 +9,7 @@ from usmbench.diagnose.cutting.command_times import unknown_moments
 from usmbench.diagnose.cutting.long_runs import long_warming
 from usmbench.diagnose.evidence import Candidate, Estimate, NamedCause, strongest_first
 from usmbench.diagnose.fitting.fit import Fit
-from usmbench.diagnose.fitting.foretold import foretold_rad_s
+from usmbench.diagnose.fitting.foretold import GROSS, foretold_rad_s
 from usmbench.diagnose.fitting.gain import held_out_gain
 from usmbench.diagnose.fitting.intervals import intervals
 from usmbench.diagnose.fitting.wave_sizes import wave_sizes
@@ -29,7 +29,6 @@ from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
 
 _MOST_POINTS = 3000
-_FARTHER = 1.1  # times the rms: such a name stands only where a day hides it
 
 
 def described(
@@ -90,12 +89,7 @@ def _warnings(held: Held) -> Iterator[str]:
     found = held.found
     yield from unknown_moments(found.problem.stretches)
     yield from said_beside(found, held.verdict)
-    if found.named and held.gain.rmse_extended_rad_s > _FARTHER * held.gain.rmse_simulation_rad_s:
-        yield (
-            f"another day's motor, as far off as its model's runs have shown, hides "
-            f"{found.names[0]} here: the extended model is farther from these runs "
-            "than the one given, and its gain shows on another day"
-        )
+    yield from _hidden(held)
     if held.sporadic is not None:
         yield (
             f"no simulation foresees which windows {held.sporadic.named.name} strikes: "
@@ -107,6 +101,17 @@ def _warnings(held: Held) -> Iterator[str]:
     wander = found.problem.known.wander
     if wander.knows_warming:
         yield from long_warming(found.problem.stretches, wander.n_constants)
+
+
+def _hidden(held: Held) -> Iterator[str]:
+    """Say where a name stands though it makes the simulation of these runs plainly worse."""
+    before, after = held.gain.rmse_simulation_rad_s, held.gain.rmse_extended_rad_s
+    if held.found.named and after**2 > GROSS * before**2:
+        yield (
+            "another day's motor, as far off as its model's runs have shown, hides "
+            f"{held.found.names[0]} here: the extended model is farther from these runs "
+            "than the one given, and its gain shows on another day"
+        )
 
 
 def _causes(held: Held) -> list[NamedCause]:

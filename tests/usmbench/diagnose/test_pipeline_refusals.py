@@ -110,3 +110,15 @@ def test_noise_at_phases_that_do_not_rise(model: HammersteinModel) -> None:
     content["noise"]["phase_deg"].reverse()
     with pytest.raises(InputError, match=r"noise\.phase_deg does not rise; identify"):
         diagnose([measured(3, n=500)], replace(model, residual={"diagnosis": content}))
+
+
+def test_a_run_in_which_nothing_moves_is_refused(model: HammersteinModel) -> None:
+    still = replace(measured(7), speed_rad_s=np.zeros(measured(7).t_s.size))
+    with pytest.raises(InputError, match="the speed is 0 throughout where the model turns"):
+        diagnose([still], model)
+    still.speed_rad_s[100] = 0.3  # a stray count
+    with pytest.raises(InputError, match="the speed is 0 throughout where the model turns"):
+        diagnose([still], model)
+    still.speed_rad_s[100] = 0.0
+    at_rest = replace(still, phase_deg=np.zeros(still.t_s.size))
+    assert diagnose([at_rest], model).verdict == "no_discrepancy"

@@ -13,7 +13,7 @@ from usmbench.diagnose.residual.problem import Problem
 
 Array = NDArray[np.float64]
 
-_GROSS, _HARDLY = 1.25, 0.1  # times a mean square: more than chance; of what is beyond it
+GROSS, _HARDLY = 1.25, 0.1  # times a mean square: more than chance; of what is beyond it
 _BY_CHANCE = 2.0  # standard deviations
 
 
@@ -73,7 +73,7 @@ def foretells_nothing(problem: Problem, foretold: Sequence[Array], *, sure: bool
     )
     off_rad_s = np.concatenate(problem.unsure_rad_s(problem.masks))
     usual = float(departed @ departed) < _BY_CHANCE**2 * float(off_rad_s @ off_rad_s)
-    worse = float(np.sum((plain - change) ** 2)) > _GROSS * float(plain @ plain)
+    worse = float(np.sum((plain - change) ** 2)) > GROSS * float(plain @ plain)
     if worse and not (sure and usual):
         return True
     no_news = float(level @ level + off_rad_s @ off_rad_s)
@@ -82,7 +82,7 @@ def foretells_nothing(problem: Problem, foretold: Sequence[Array], *, sure: bool
     above = float(news @ news)
     # The model's own error may lie along a change, and show it smaller or larger than it is.
     touched = _removed(_of_it(change, news) * change, news)
-    if above > _GROSS * no_news and touched < _HARDLY * (above - no_news):
+    if above > GROSS * no_news and touched < _HARDLY * (above - no_news):
         return True
     along = problem.unsure_along([c * m for c, m in zip(foretold, problem.masks, strict=True)])
     chance = 2.0 * float(np.hypot(np.linalg.norm(change * level), along))

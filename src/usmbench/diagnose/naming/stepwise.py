@@ -11,7 +11,6 @@ from usmbench.diagnose.fitting.scanning import fit_effect, sharpen
 from usmbench.diagnose.naming.chance import scatters, struck_by
 from usmbench.diagnose.naming.ranking import (
     CLEAR,
-    TELLING,
     Ranked,
     alternatives,
     nearest,
@@ -19,7 +18,7 @@ from usmbench.diagnose.naming.ranking import (
     same_shape,
     undecided,
 )
-from usmbench.diagnose.naming.roughly_beside import roughly_beside
+from usmbench.diagnose.naming.two_together import Pair, together
 from usmbench.diagnose.naming.worth import First, worth_a_name
 from usmbench.diagnose.residual.basis import Basis
 from usmbench.diagnose.residual.problem import Problem
@@ -27,15 +26,11 @@ from usmbench.diagnose.residual.views import omnibus
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
 
-_RIVALS = 2  # of the first of two causes, since each takes time
 _MOST_CAUSES = 3  # two are named at most: a third only shows that they are patches
 # For what healthy runs show anyhow; see "nothing hidden" in benchmarks/naming_campaign.py.
 _UNUSUAL = 1e-9
 _LEAST_CLEAR = 0.1  # of the rows: what is left where chance cannot strike must tell something
 _BY_CHANCE = 3.8  # mean squares: 95 % of chi-squared with one
-# Of weighing one of two causes given the other: it ends sooner where the first comes back or the
-# deviance gains no more; the bound only keeps two from changing places for ever.
-_TURNS = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +80,9 @@ def name_causes(
             break
         before = found.rankings
         if len(before) == 1:
-            before, here = _together(effects, found, here)
+            start = Pair(before[0], here, found.fit.statistic + here[0].fit.statistic)
+            pair = together(found.problem, effects, found.spread, start)
+            before, here = [pair.first], pair.second
         worth = _first_worth(found, before, here)
         if worth is None:
             return replace(found, leaves_a_cause=True)
@@ -198,56 +195,6 @@ def _beside(problem: Problem, chance: Applied, rest: Sequence[Applied]) -> Fit:
     both = [(one, *rest) for one in (again.effects[-1], chance)]
     fits = (refine_widely(problem, Fit(b, problem.drop(b), 0.0)) for b in both)
     return max(fits, key=lambda fit: fit.statistic)
-
-
-def _together(
-    effects: Sequence[Effect], found: Named, second: list[Ranked]
-) -> tuple[list[list[Ranked]], list[Ranked]]:
-    """Weigh each of two causes given the other, until both stand.
-
-    A cause that looks a little like two others is the best alone, and is neither.
-    """
-    problem, spread = found.problem, found.spread
-    first, second, brings = _best_start(effects, found, second)
-    for _ in range(_TURNS):
-        kept = second[0]
-        alone = refine_widely(problem, replace(kept.fit, effects=kept.fit.effects[-1:]))
-        others = [e for e in effects if e.name != kept.effect.name]
-        again = rank(problem, others, spread, alone)
-        if again[0].effect == first[0].effect:
-            return [again], second
-        more = alone.statistic + again[0].fit.statistic
-        if more < brings + TELLING * spread**2:
-            break
-        first, second, brings = second, again, more
-    return [first], second
-
-
-def _best_start(
-    effects: Sequence[Effect], found: Named, second: list[Ranked]
-) -> tuple[list[Ranked], list[Ranked], float]:
-    """Return the first of two causes, the other, and what both bring.
-
-    What explains about as much as the first may explain more with another beside it.
-    """
-    problem, (first,), spread = found.problem, found.rankings, found.spread
-    best = (first, second, found.fit.statistic + second[0].fit.statistic)
-    for rival in nearest(first)[1 : 1 + _RIVALS]:
-        alone = refine_widely(problem, rival.fit)
-        others = [r for r in second if r.effect.name != rival.effect.name]
-        near = list(roughly_beside(problem, others, alone.effects))
-        if not near:
-            continue
-        other, _ = max(near, key=lambda pair: pair[1])
-        both = (*alone.effects, other.fit.effects[-1])
-        least = best[2] + TELLING * spread**2
-        if refine_widely(problem, Fit(both, problem.drop(both), 0.0)).statistic <= least:
-            continue
-        beside = rank(problem, [e for e in effects if e.name != rival.effect.name], spread, alone)
-        brings = alone.statistic + beside[0].fit.statistic
-        if brings > least:
-            best = ([rival, *(r for r in first if r is not rival)], beside, brings)
-    return best
 
 
 def noise_spread(problem: Problem, basis: Basis, effects: Sequence[Applied]) -> float:

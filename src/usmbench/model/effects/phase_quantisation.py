@@ -12,9 +12,10 @@ from usmbench.model.effects.parameter import Parameter
 _MEANING = "The generator sets the phase on a coarse grid instead of where it is commanded."
 _MEND = "Read the generator's phase register back, and check how many of its bits are written."
 _COARSEST_DEG = 60.0
-_FINEST_DEG, _SLOW_DEG, _COARSE_DEG = 0.35, 0.7, 10.0
+_FINEST_DEG, _ALWAYS_DEG, _COARSE_DEG = 0.35, 0.7, 10.0
 _LONG = 20_000  # windows, where finer steps would take a third more time
-_COUNTS = 1.5  # that a step is worth at least; one looked like a step in healthy runs
+# That a step is worth at least: whole counts look like steps of one. Nothing measured sets it.
+_COUNTS = 1.5
 _MANY = 50  # phases: twice the levels of a fine staircase
 _MEANT = 1e-3  # of a usual step: nearer than that nobody builds another
 _SAME_STEP = 1e-9  # a commanded multiple must not fall below itself by rounding
@@ -48,7 +49,7 @@ def _apart_deg(contexts: Sequence[Context]) -> float:
 
 
 def _told_from_counts_deg(context: Context) -> float:
-    """Least step that is not lost among whole counts of the encoder."""
+    """Least step that is not lost among whole counts of the encoder; 0 where these are unknown."""
     if context.count_rad_s is None:
         return 0.0
     ahead, behind = (context.settled_rad_s(context.phase_deg + x) for x in (0.5, -0.5))
@@ -105,7 +106,7 @@ class RoundedPhase(Effect):
         farthest_deg = max(float(np.max(np.abs(c.phase_deg))) for c in contexts)
         long = sum(c.n for c in contexts) > _LONG
         least_deg = np.inf if long else max(map(_told_from_counts_deg, contexts))
-        finest_deg = float(np.clip(least_deg, _FINEST_DEG, _SLOW_DEG))
+        finest_deg = float(np.clip(least_deg, _FINEST_DEG, _ALWAYS_DEG))
         fine = np.arange(1.0, farthest_deg / finest_deg, 0.5)
         coarse = np.arange(1.0, farthest_deg / _COARSE_DEG, 0.25)
         free = farthest_deg / np.r_[fine, coarse]
