@@ -7,7 +7,7 @@ import pytest
 
 from known_motor import WINDOW_S, applied, driven, identified
 from usmbench.diagnose.naming.ranking import rank
-from usmbench.diagnose.naming.two_together import Pair, together
+from usmbench.diagnose.naming.stepwise import name_causes
 from usmbench.diagnose.pipeline import searched
 from usmbench.diagnose.residual.own_effects import cut_beside_own
 from usmbench.model.effects.registry import library
@@ -34,11 +34,5 @@ def test_what_follows_the_first_explains_more_beside_what_is_nearly_as_good(seed
         next(r for r in ranked if r.effect.name == n) for n in ("load_torque", "gain_asymmetry")
     )
     lean = replace(lean, score=best.score + 1.0, statistic=best.statistic)
-    others = [e for e in effects if e.name != lean.effect.name]
-    second = rank(problem, others, 1.0, lean.fit)
-    first = [lean, *(r for r in ranked if r != lean)]
-    start = Pair(first, second, lean.fit.statistic + second[0].fit.statistic)
-    pair = together(problem, effects, 1.0, start)
-    found = {ranking[0].effect.name for ranking in (pair.first, pair.second)}
-    assert found == {"load_torque", "speed_scale"}
-    assert pair.brings > start.brings
+    named = name_causes(problem, [lean, *(r for r in ranked if r != lean)], effects, 1.0)
+    assert {r[0].effect.name for r in named.rankings} == {"load_torque", "speed_scale"}
