@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import poisson
+from scipy.stats import ks_2samp, poisson
 
 from usmbench.diagnose.cutting.stretches import came_from
 from usmbench.diagnose.evidence import Estimate, NamedCause
-from usmbench.diagnose.naming.ranking import SIGNIFICANT, TELLING
+from usmbench.diagnose.naming.ranking import NO_CHANCE, SIGNIFICANT, TELLING
 from usmbench.diagnose.naming.standing_alone import StandingAlone, beyond
-from usmbench.diagnose.noise.spikes import apart, are_exceptions, moved_rad_s, steady
+from usmbench.diagnose.noise.spikes import PLAIN, apart, are_exceptions, moved_rad_s, steady
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.lone_windows import LoneWindows, SporadicEffect, Weighed
 from usmbench.model.effects.registry import library
@@ -75,6 +75,9 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
         return None
     if not are_exceptions(problem.stretches, left, alone.plain, alone.calm):
         return None
+    level_rad_s = np.concatenate([problem.noise.level_rad_s(s) for s in problem.stretches])[rows]
+    if _strikes_slow_ones(windows, PLAIN * spread * level_rad_s):
+        return None
     kinds = [effect for effect in library() if isinstance(effect, SporadicEffect)]
     weighed = [(effect, effect.weigh(windows)) for effect in kinds]
     weighed.sort(key=lambda pair: -pair[1].log_likelihood)
@@ -93,6 +96,21 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
     )
     applied = Applied(effect, {e.name: e.value for e in estimates})
     return Sporadic(applied, named, _deviance(problem, left, alone))
+
+
+def _strikes_slow_ones(windows: LoneWindows, least_rad_s: Array) -> bool:
+    """Whether lone windows are slower than chance has them: a counter errs by time or by count.
+
+    Nor by a few: a plan may be slow just where they strike. What the noise hides in fast windows
+    does not count: a typical one must show in all of them.
+    """
+    typical_rad_s = np.median(np.abs(windows.deviation_rad_s[windows.alone]))
+    shows = least_rad_s < typical_rad_s
+    fast = np.abs(windows.speed_rad_s)
+    struck = fast[windows.alone & shows]
+    if not struck.size:
+        return False
+    return bool(ks_2samp(struck, fast[shows], alternative="greater").pvalue < NO_CHANCE)
 
 
 def _deviance(problem: Problem, left: Sequence[Array], alone: StandingAlone) -> float:

@@ -86,6 +86,21 @@ def test_what_hangs_on_the_phase_is_no_chance(by_chance: bool) -> None:
     assert (find_sporadic(problem, (), 1.0) is not None) == by_chance
 
 
+@pytest.mark.parametrize(("slow_ones", "found"), [(False, True), (True, False)])
+def test_a_counter_errs_no_more_often_the_slower_it_counts(slow_ones: bool, found: bool) -> None:
+    model = identified()
+    phase_deg = np.repeat(np.random.default_rng(7).uniform(15.0, 88.0, 200), 20)
+    record = driven(phase_deg, 4)
+    holds = np.flatnonzero(phase_deg[::20] < 33.0) if slow_ones else np.arange(0, 200, 4)
+    off = np.zeros(phase_deg.size)
+    off[20 * holds[::2] + 13] = 25.0 * NOISE_RAD_S
+    (stretch,), _ = cut_runs([replace(record, speed_rad_s=record.speed_rad_s + off)], model, ())
+    known = knowledge_of(model)
+    assert known.noise is not None
+    problem = Problem([stretch], known, known.noise, [stretch.use])
+    assert (find_sporadic(problem, (), 1.0) is not None) == found
+
+
 def test_a_false_count_is_as_large_as_it_is_beside_its_neighbours() -> None:
     model = identified()
     draw = np.random.default_rng(6)
