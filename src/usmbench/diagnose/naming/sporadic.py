@@ -101,8 +101,8 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
 def _strikes_slow_ones(windows: LoneWindows, least_rad_s: Array) -> bool:
     """Whether lone windows are slower than chance has them: a counter errs by time or by count.
 
-    Nor by a few: a plan may be slow just where they strike. What the noise hides in fast windows
-    does not count: a typical one must show in all of them.
+    A few prove nothing: a plan may be slow just where they strike. What the noise hides in fast
+    windows does not count: a typical one must show in all of them.
     """
     typical_rad_s = np.median(np.abs(windows.deviation_rad_s[windows.alone]))
     shows = least_rad_s < typical_rad_s
