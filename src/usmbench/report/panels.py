@@ -24,7 +24,9 @@ def operating_points(measured: Pairs | Comparison) -> list[tuple[float, float]]:
         Settings; NaN stands for a frequency or torque that is not known.
     """
     points = np.column_stack((measured.frequency_hz, measured.torque_nm))
-    found = np.unique(points, axis=0, equal_nan=True)
+    # With an axis, numpy takes every NaN for another value; infinity equals itself.
+    found = np.unique(np.where(np.isnan(points), np.inf, points), axis=0)
+    found[np.isinf(found)] = np.nan
     return [(float(f), float(torque)) for f, torque in found]
 
 
