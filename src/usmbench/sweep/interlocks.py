@@ -63,11 +63,11 @@ class InterlockState:
     fast_windows
         Windows in a row above the over-speed limit.
     still_s
-        Time without motion though driven where it has to move.
+        Time without motion though driven where it has to move; through the dead zone it stays.
     still_counts
-        Counts in that time.
+        Counts since the last motion.
     still_edges
-        Changes of the counter in that time.
+        Changes of the counter in that time without motion.
     driven_s
         Time since the drive went on.
     off_s
@@ -128,15 +128,18 @@ def watch(state: InterlockState, seen: Seen, settings: InterlockSettings) -> Int
             f"{settings.drive_time_max_s:g} s); let the motor cool and take the plan up again",
             interlock="drive_time_max_s",
         )
-    setting = (seen.frequency_hz, seen.torque_nm, seen.phase_deg)
-    proven = prove(state.proven, setting, abs(seen.counts) > STILL_COUNTS)
+    point, moving = (seen.frequency_hz, seen.torque_nm), abs(seen.counts) > STILL_COUNTS
+    proven = prove(state.proven, point, seen.phase_deg, moving)
     running = InterlockState(fast_windows, driven_s=driven_s, off_s=0.0, proven=proven)
     still_counts = state.still_counts + seen.counts
-    if not must_move(proven, seen.phase_deg, settings) or abs(still_counts) > STILL_COUNTS:
+    if abs(still_counts) > STILL_COUNTS:
         return running
-    still_s, still_edges = state.still_s + seen.window_s, state.still_edges + seen.edges
-    if still_s >= settings.no_motion_after_s:
-        raise _no_motion(still_s, still_edges, seen, settings)
+    # A plan that goes through the dead zone every so often must not forget what it saw before.
+    still_s, still_edges = state.still_s, state.still_edges
+    if must_move(proven, seen.phase_deg, settings):
+        still_s, still_edges = still_s + seen.window_s, still_edges + seen.edges
+        if still_s >= settings.no_motion_after_s:
+            raise _no_motion(still_s, still_edges, seen, settings)
     return replace(running, still_s=still_s, still_counts=still_counts, still_edges=still_edges)
 
 
@@ -170,7 +173,10 @@ def _moving_off_windows(state: InterlockState, seen: Seen, settings: InterlockSe
 def _no_motion(
     still_s: float, edges: int, seen: Seen, settings: InterlockSettings
 ) -> InterlockError:
-    driven = f"driven at φ = {seen.phase_deg:g}° and {seen.frequency_hz:g} Hz for {still_s:.2f} s"
+    driven = (
+        f"driven for {still_s:.2f} s where the motor has to move, last at φ = {seen.phase_deg:g}° "
+        f"and {seen.frequency_hz:g} Hz"
+    )
     limit = f"(limit no_motion_after_s {settings.no_motion_after_s:g} s)"
     if _goes_nowhere(0, edges):
         message = (

@@ -17,16 +17,16 @@ class ProvenMotion:
 
     Parameters
     ----------
-    setting
-        Frequency (Hz), torque (N·m) and phase (degrees) of the last window.
-    windows
-        Windows of motion in a row at that setting.
+    point
+        Frequency (Hz) and torque (N·m) of the last window.
+    moved_deg
+        Phases of the last windows of motion in a row, of one sign.
     from_deg
         Smallest distance from standstill with proven motion, for negative and positive phases.
     """
 
-    setting: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    windows: int = 0
+    point: tuple[float, float] = (0.0, 0.0)
+    moved_deg: tuple[float, ...] = ()
     from_deg: tuple[float, float] = (inf, inf)
 
 
@@ -44,32 +44,36 @@ def distance_deg(phase_deg: float) -> float:
     return min(abs(phase_deg), 180.0 - abs(phase_deg))
 
 
-def prove(proven: ProvenMotion, setting: tuple[float, float, float], moving: bool) -> ProvenMotion:
+def prove(
+    proven: ProvenMotion, point: tuple[float, float], phase_deg: float, moving: bool
+) -> ProvenMotion:
     """Take one driven window into account.
+
+    Of phases that glide, the farthest from standstill may have moved the rotor.
 
     Parameters
     ----------
     proven
         What the windows before have shown.
-    setting
-        Frequency (Hz), torque (N·m) and phase (degrees) in force.
+    point
+        Frequency (Hz) and torque (N·m) in force.
+    phase_deg
+        Phase shift in force.
     moving
         Whether the window showed motion.
     """
-    if setting != proven.setting:
-        same_point = setting[:2] == proven.setting[:2]
-        kept = proven.from_deg if same_point else (inf, inf)
-        return ProvenMotion(setting, int(moving), kept)
-    windows = proven.windows + 1 if moving else 0
-    if windows < WINDOWS_TO_PROVE:
-        return replace(proven, windows=windows)
-    negative, positive = proven.from_deg
-    distance = distance_deg(setting[2])
-    if setting[2] < 0:
-        negative = min(negative, distance)
-    else:
-        positive = min(positive, distance)
-    return ProvenMotion(setting, windows, (negative, positive))
+    if point != proven.point:
+        proven = ProvenMotion(point)
+    if not moving:
+        return replace(proven, moved_deg=())
+    before_deg = [p for p in proven.moved_deg if (p < 0) == (phase_deg < 0)]
+    moved_deg = (*before_deg, phase_deg)[-WINDOWS_TO_PROVE:]
+    if len(moved_deg) < WINDOWS_TO_PROVE:
+        return replace(proven, moved_deg=moved_deg)
+    from_deg = list(proven.from_deg)
+    side = 0 if phase_deg < 0 else 1
+    from_deg[side] = min(from_deg[side], max(map(distance_deg, moved_deg)))
+    return ProvenMotion(point, moved_deg, (from_deg[0], from_deg[1]))
 
 
 def must_move(proven: ProvenMotion, phase_deg: float, settings: InterlockSettings) -> bool:

@@ -240,6 +240,16 @@ def test_a_fault_stops_the_drive_and_is_named(tmp_path: Path, kind: FaultKind, w
     assert 0.5 <= last_s <= 0.6 + 1.1
 
 
+def test_a_slipped_coupling_ends_a_multisine_too(tmp_path: Path) -> None:
+    _, bench = bench_of([Fault(FaultKind.SLIPPED_COUPLING, 3.0)])
+    multisine = {"kind": "multisine", "seed": 1, "amplitude_deg": 90, "hold_windows": 4}
+    excitation = {**multisine, "band_hz": [0.05, 5], "period_s": 20, "duration_s": 20}
+    with pytest.raises(BenchError, match="no motion"), bench.generator:
+        sweep_new(bench, plan_of(excitation=excitation), tmp_path / "run")
+    last_s = rows(tmp_path / "run" / "windows.csv")[-1]["t_s"]
+    assert 3.5 <= last_s <= 6.0
+
+
 def test_a_plan_beyond_the_board_leaves_no_folder(tmp_path: Path) -> None:
     _, bench = bench_of()
     with pytest.raises(InputError, match="frequency_hz"):

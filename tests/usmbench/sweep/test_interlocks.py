@@ -1,5 +1,6 @@
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from usmbench.errors import InterlockError, LostCountsError
@@ -65,6 +66,21 @@ def test_slow_motion_is_motion() -> None:
 
 def test_standing_in_the_dead_zone_is_no_fault() -> None:
     run([replace(STILL, phase_deg=70.0, frequency_hz=42_000.0)] * 500)
+
+
+def test_still_time_is_not_forgotten_in_the_dead_zone() -> None:
+    standing = replace(STILL, phase_deg=0.0)
+    assert trip(([STILL] * 20 + [standing] * 30) * 2 + [STILL] * 10).interlock == (
+        "no_motion_after_s"
+    )
+    glides = [replace(STILL, phase_deg=float(90 * np.sin(n / 7.0))) for n in range(1000)]
+    with pytest.raises(InterlockError, match="no motion"):
+        run(glides)
+
+
+def test_motion_in_the_dead_zone_is_motion() -> None:
+    running_down = replace(STILL, phase_deg=0.0, counts=9, edges=9)
+    run(([STILL] * 20 + [running_down]) * 20)
 
 
 def test_still_time_does_not_add_up_over_motion() -> None:

@@ -1,3 +1,4 @@
+import numpy as np
 import pytest
 
 from usmbench.settings.bench import InterlockSettings
@@ -18,7 +19,7 @@ def moved(
 ) -> ProvenMotion:
     proven = NOTHING_PROVEN
     for _ in range(windows):
-        proven = prove(proven, (41_000.0, torque_nm, phase_deg), True)
+        proven = prove(proven, (41_000.0, torque_nm), phase_deg, True)
     return proven
 
 
@@ -44,10 +45,27 @@ def test_running_down_after_a_step_proves_nothing() -> None:
 
 
 def test_another_load_or_frequency_must_prove_itself() -> None:
-    proven = prove(moved(30.0), (41_000.0, 0.2, 30.0), True)
+    proven = prove(moved(30.0), (41_000.0, 0.2), 30.0, True)
     assert not must_move(proven, 60.0, LIMITS)
 
 
 def test_standing_still_forgets_nothing() -> None:
-    proven = prove(moved(30.0), (41_000.0, 0.0, 5.0), False)
+    proven = prove(moved(30.0), (41_000.0, 0.0), 5.0, False)
     assert must_move(proven, 60.0, LIMITS)
+
+
+def test_of_phases_that_glide_the_farthest_may_have_moved_it() -> None:
+    proven = NOTHING_PROVEN
+    for phase_deg in np.linspace(-40.0, -20.0, WINDOWS_TO_PROVE):
+        assert not must_move(proven, -60.0, LIMITS)
+        proven = prove(proven, (41_000.0, 0.0), float(phase_deg), True)
+    assert must_move(proven, -40.0 - MARGIN_DEG, LIMITS)
+    assert not must_move(proven, -39.0 - MARGIN_DEG, LIMITS)
+    assert not must_move(proven, 60.0, LIMITS)
+
+
+def test_what_moves_to_and_fro_proves_nothing() -> None:
+    proven = NOTHING_PROVEN
+    for n in range(100):
+        proven = prove(proven, (41_000.0, 0.0), 30.0 * (-1.0) ** (n // 4), True)
+    assert not must_move(proven, 60.0, LIMITS)
