@@ -36,6 +36,10 @@ BLOCK_DEADLINE_S = 240.0
 
 # Page and reason of each block that is not run.
 NOT_RUN = [
+    ("docs/how-to/decide-between-causes.md", "takes runs of your own"),
+    ("docs/how-to/decide-between-causes.md", "takes runs of your own"),
+    ("docs/how-to/diagnose-many-runs.md", "takes runs of your own"),
+    ("docs/how-to/diagnose-many-runs.md", "needs several machines"),
     ("docs/how-to/flash-the-board.md", "needs the flashed board"),
     ("docs/tutorial.md", "installs into a new environment"),
 ]

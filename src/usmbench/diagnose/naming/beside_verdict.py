@@ -9,7 +9,7 @@ from usmbench.diagnose.naming.ranking import NO_CHANCE
 from usmbench.diagnose.noise.noise_model import FARTHER
 from usmbench.diagnose.result import Verdict
 
-# Chosen while watching draws of simulated motors, seeds up to 17; no measurement fixes them.
+# Chosen while watching draws of simulated motors; no measurement fixes them.
 _UNKNOWN, _MANY_ROWS = 0.1, 0.2  # of the highest speed; of the rows
 _MANY_STEPS = 0.1  # of the steps: the two of a warm-up are one in forty of a phase sweep's
 

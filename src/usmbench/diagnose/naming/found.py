@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 
 _MOST_NAMED = 2  # where a third earns its place, too, it is more likely that none is the cause
 # Where no other reason stands beside a threshold here, it was chosen while watching draws of
-# simulated motors, seeds up to 17 (docs/explanations/diagnosis.md), and no measurement fixes it.
+# simulated motors (docs/explanations/diagnosis.md), and no measurement fixes it.
 # What has no name is a finding only from half the noise's rms on; a name must earn its own place.
 _LEAST_EXCESS = 0.25
 # How far what is no news may depart is an estimate: of that only what is larger than the noise.

@@ -17,7 +17,7 @@ from usmbench.model.extended import Applied
 Array = NDArray[np.float64]
 
 # Where no other reason stands beside a threshold here, it was chosen while watching draws of
-# simulated motors, seeds up to 17 (docs/explanations/diagnosis.md), and no measurement fixes it.
+# simulated motors (docs/explanations/diagnosis.md), and no measurement fixes it.
 # What a further cause has to bring in deviance though the form of those before it is in doubt: what
 # patches bring, see "two causes" in benchmarks/naming_campaign.py, and a share of the first.
 _SECOND_LEAST, _SECOND_SHARE = 50.0, 3e-4
