@@ -119,7 +119,12 @@ def describe(plan: Plan, bench: BenchSettings, interlocks: InterlockSettings) ->
         f"dwells     {dwells} of {windows_per_dwell(plan)} windows of "
         f"{1000 * window_s:g} ms{extend}"
     )
-    yield f"duration   {n_windows(plan, interlocks, window_s) * window_s:.1f} s"
+    duration_s = n_windows(plan, interlocks, window_s) * window_s
+    longer = ""
+    if plan.excitation is None and plan.dwell.extend_to_windows > plan.dwell.windows:
+        more = dwells * (plan.dwell.extend_to_windows - plan.dwell.windows)
+        longer = f", {duration_s + more * window_s:.1f} s where no dwell settles"
+    yield f"duration   {duration_s:.1f} s{longer}"
 
 
 def _dwells_at_point(plan: Plan, window_s: float) -> int:

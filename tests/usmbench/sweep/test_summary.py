@@ -17,11 +17,13 @@ def test_a_dry_run_shows_passes_limits_and_duration() -> None:
     assert "86 of 50 windows of 10 ms" in text
     assert "limits 40000 … 42000 Hz" in text
     # Two passes of 43 half seconds, 2 s of warm-up, 0.05 s before and 0.33 s after.
-    assert "duration   45.4 s" in text
+    assert "duration   45.4 s, 174.4 s where no dwell settles" in text
 
 
 def test_a_dry_run_of_an_excitation() -> None:
-    assert "telegraph -90° … 90°  1200 holds" in described("telegraph")
+    text = described("telegraph")
+    assert "telegraph -90° … 90°  1200 holds" in text
+    assert "settles" not in text
 
 
 def test_many_passes_are_counted_not_listed() -> None:
