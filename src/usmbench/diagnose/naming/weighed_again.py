@@ -32,17 +32,22 @@ def weighed_again(named: Named) -> Named:
     for ranking in named.rankings:
         again = sorted(_ranked_again(named, fit, ranking), key=lambda r: -r.score)
         fit = again[0].fit
-        rankings.append(again)
+        weighed = {r.effect.name for r in again}
+        rankings.append([*again, *(r for r in ranking[1:] if r.effect.name not in weighed)])
     return replace(named, rankings=rankings, fit=fit)
 
 
 def _ranked_again(named: Named, fit: Fit, ranking: list[Ranked]) -> Iterator[Ranked]:
-    """Yield a cause and its rivals, fitted anew beside the other names, and all others."""
+    """Yield a cause and its rivals, fitted anew beside the other names.
+
+    One that was ahead of it is no rival: it did not hold on rows that its fit had not seen.
+    """
     problem, best = named.problem, ranking[0]
     (own,) = (a for a in fit.effects if a.effect.name == best.effect.name)
     rest = tuple(a for a in fit.effects if a is not own)
     yield replace(best, fit=replace(fit, effects=(*rest, own)))
-    others = [r for r in ranking if r.effect.name not in {a.effect.name for a in fit.effects}]
+    names = {a.effect.name for a in fit.effects}
+    others = [r for r in ranking if r.effect.name not in names and r.score <= best.score]
     least = _HALF * (fit.statistic - problem.drop(rest))
     near = [(r, beside) for r, beside in roughly_beside(problem, others, rest) if beside > least]
     rivals: dict[str, Ranked] = {}
@@ -53,7 +58,6 @@ def _ranked_again(named: Named, fit: Fit, ranking: list[Ranked]) -> Iterator[Ran
         other = refine(problem, Fit(effects, problem.drop(effects), fit.roughness))
         brings = best.statistic + (other.statistic - fit.statistic) / named.spread**2
         yield replace(rival, fit=other, statistic=brings, score=brings - _price(rival))
-    yield from (r for r in ranking[1:] if r.effect.name not in rivals)
 
 
 def _price(ranked: Ranked) -> float:

@@ -17,6 +17,7 @@ from usmbench.model.extended import Applied
 
 DELAY = applied("transport_delay", "", delay_s=0.0137)
 SCALE = applied("speed_scale", "", scale_error=-0.15)
+LAG = applied("slow_dynamics", "", added_s=0.01)
 CRYSTAL = applied("crystal_error", "", speed_lost=0.15, held_back_rad_s=0.0)
 
 
@@ -51,3 +52,16 @@ def test_what_looks_the_same_comes_after_what_costs_less(found: Found) -> None:
 def test_one_name_is_left_as_it_is(found: Found) -> None:
     named = Named(found.problem, [[ranked(found, SCALE, DELAY, 1e6)]], found.fit, 1.0)
     assert weighed_again(named) is named
+
+
+def test_what_was_ahead_and_did_not_hold_takes_no_place(found: Found) -> None:
+    delay, scale = ranked(found, SCALE, DELAY, 100.0), ranked(found, DELAY, SCALE, 6e4)
+    alone = Fit((LAG,), found.problem.drop((LAG,)), 0.0)
+    ahead = Ranked(LAG.effect, alone, 1e9, 0.0, 1e9)
+    again = weighed_again(Named(found.problem, [[delay, ahead], [scale]], scale.fit, 1.0))
+    assert [ranking[0].effect.name for ranking in again.rankings] == [
+        "transport_delay",
+        "speed_scale",
+    ]
+    assert {a.effect.name for a in again.fit.effects} == {"transport_delay", "speed_scale"}
+    assert again.rankings[0][1] is ahead
