@@ -7,7 +7,7 @@ offset and teeth that lean against it hold, alone, on no block that a fit has no
 teeth lean with it, a weight is nearly the same as the two.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Iterator, Sequence
 from itertools import product
 
 import numpy as np
@@ -16,7 +16,8 @@ from usmbench.diagnose.fitting.fit import NOTHING, Fit
 from usmbench.diagnose.fitting.foretold import held_out_drop
 from usmbench.diagnose.fitting.refining import refine, refine_widely
 from usmbench.diagnose.fitting.scanning import fit_effect, sharpen
-from usmbench.diagnose.naming.ranking import CLEAR, Ranked, alternatives, rank
+from usmbench.diagnose.naming.ranking import CLEAR, SIGNIFICANT, TELLING, Ranked, alternatives, rank
+from usmbench.diagnose.naming.roughly_beside import roughly_together
 from usmbench.diagnose.naming.stepwise import Named, settled
 from usmbench.diagnose.naming.worth import First, earns_its_place, worth_a_name
 from usmbench.diagnose.residual.problem import Problem
@@ -24,6 +25,10 @@ from usmbench.diagnose.residual.views import omnibus
 from usmbench.diagnose.residual.whole import doubted_test, verdict, whole_test
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
+
+# Rivals of the best cause, and smooth ones beside a jagged one, since each takes time; nothing
+# measured sets either.
+_RIVALS, _SMOOTH = 2, 3
 
 
 def hidden_pair(
@@ -35,8 +40,8 @@ def hidden_pair(
 ) -> Named | None:
     """Name two causes at once, or return None.
 
-    These are a jagged and a smooth one that act at one place, or the best one and what is best
-    beside it.
+    These are a jagged and a smooth one that act at one place, or the best one, or a rival, and what
+    is best beside it.
 
     Parameters
     ----------
@@ -55,14 +60,11 @@ def hidden_pair(
     free = [e for e in effects if e.name not in taken]
     if len({e.name for e in free}) < 2:
         return None
-    lead = next(r for r in ranked if r.effect.name not in taken)
+    lead, *rivals = _best_forms(ranked, taken)
     pairs = [_led_by(problem, lead, free, spread)]
     if named is None:
-        pairs += [
-            _fitted(problem, jagged, smooth)
-            for jagged, smooth in product(free, free)
-            if jagged.jagged and not smooth.jagged and smooth.stage == jagged.stage
-        ]
+        pairs += [_fitted(problem, *pair) for pair in _jagged_and_smooth(ranked)]
+        pairs += _led_by_rivals(problem, rivals, ranked, free, spread, pairs[0])
     best = max(pairs, key=lambda fit: fit.statistic)
     one_alone = ranked if named is None else named.rankings[0]
     if not _explains(problem, best, spread):  # the cheapest to see comes first
@@ -103,6 +105,50 @@ def _led_by(problem: Problem, lead: Ranked, effects: Sequence[Effect], spread: f
     first = refine(problem, lead.fit)
     others = [e for e in effects if e.name != lead.effect.name]
     return refine_widely(problem, rank(problem, others, spread, first)[0].fit)
+
+
+def _best_forms(ranked: Sequence[Ranked], taken: Collection[str]) -> list[Ranked]:
+    """Return the best form of each cause, the best first, but for those taken."""
+    forms: dict[str, Ranked] = {}
+    for r in ranked:
+        if r.effect.name not in taken:
+            forms.setdefault(r.effect.name, r)
+    return list(forms.values())
+
+
+def _jagged_and_smooth(ranked: Sequence[Ranked]) -> Iterator[tuple[Effect, Effect]]:
+    """Yield the forms of a clear jagged cause with each smooth one that may hide it.
+
+    That acts at the same place, or is among the best alone: it makes up for the half step by which
+    one form differs from another, of which the right one may then show nothing alone.
+    """
+    jagged = [r for r in ranked if r.effect.jagged]
+    clear = {r.effect.name for r in jagged if r.p_value < SIGNIFICANT}
+    smooth = [r for r in ranked if _has_only_sizes(r.effect)]
+    best = {r.effect for r in _best_forms(smooth, ())[:_SMOOTH]}
+    for one, other in product(jagged, smooth):
+        alike = other.effect.stage == one.effect.stage or other.effect in best
+        if one.effect.name in clear and alike:
+            yield one.effect, other.effect
+
+
+def _has_only_sizes(effect: Effect) -> bool:
+    return bool(effect.parameters) and not any(p.scanned for p in effect.parameters)
+
+
+def _led_by_rivals(
+    problem: Problem,
+    rivals: Sequence[Ranked],
+    ranked: Sequence[Ranked],
+    effects: Sequence[Effect],
+    spread: float,
+    best: Fit,
+) -> Iterator[Fit]:
+    """Yield the same of the best cause's rivals, where it promises more than a pair at hand."""
+    for rival in rivals[:_RIVALS]:
+        rough = roughly_together(problem, refine(problem, rival.fit), ranked)
+        if rough > best.statistic + TELLING * spread**2:
+            yield _led_by(problem, rival, effects, spread)
 
 
 def _fitted(problem: Problem, jagged: Effect, smooth: Effect) -> Fit:

@@ -3,6 +3,8 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from usmbench.diagnose.fitting.fit import Fit
+from usmbench.diagnose.fitting.refining import refine_widely
 from usmbench.diagnose.fitting.scanning import fit_effect
 from usmbench.diagnose.naming.ranking import Ranked
 from usmbench.diagnose.residual.problem import Problem
@@ -30,3 +32,25 @@ def roughly_beside(
         else:
             fit = fit_effect(problem, ranked.effect, others)
             yield replace(ranked, fit=fit), fit.statistic
+
+
+def roughly_together(problem: Problem, one: Fit, found: Sequence[Ranked]) -> float:
+    """Return the deviance that a cause takes away together with the best of some beside it.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    one
+        The cause, as it fits alone.
+    found
+        The others, as they were found elsewhere; forms of the same cause are left out.
+    """
+    name = one.effects[-1].effect.name
+    others = [r for r in found if r.effect.name != name]
+    near = roughly_beside(problem, others, one.effects)
+    best, _ = max(near, key=lambda pair: pair[1], default=(None, 0.0))
+    if best is None:
+        return one.statistic
+    both = (*one.effects, best.fit.effects[-1])
+    return refine_widely(problem, Fit(both, problem.drop(both), 0.0)).statistic

@@ -3,10 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.refining import refine_widely
 from usmbench.diagnose.naming.ranking import TELLING, Ranked, nearest, rank
-from usmbench.diagnose.naming.roughly_beside import roughly_beside
+from usmbench.diagnose.naming.roughly_beside import roughly_together
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.base import Effect
 
@@ -72,25 +71,13 @@ def _best_start(problem: Problem, effects: Sequence[Effect], spread: float, best
     for rival in nearest(first)[1 : 1 + _RIVALS]:
         alone = refine_widely(problem, rival.fit)
         least = best.brings + TELLING * spread**2
-        if _roughly(problem, alone, second) <= least:
+        if roughly_together(problem, alone, second) <= least:
             continue
         beside = rank(problem, _others(effects, rival), spread, alone)
         brings = alone.statistic + beside[0].fit.statistic
         if brings > least:
             best = Pair([rival, *(r for r in first if r is not rival)], beside, brings)
     return best
-
-
-def _roughly(problem: Problem, alone: Fit, second: Sequence[Ranked]) -> float:
-    """Deviance that a cause takes away with the best of some beside it, not scanned anew."""
-    name = alone.effects[-1].effect.name
-    others = [r for r in second if r.effect.name != name]
-    near = roughly_beside(problem, others, alone.effects)
-    best, _ = max(near, key=lambda pair: pair[1], default=(None, 0.0))
-    if best is None:
-        return alone.statistic
-    both = (*alone.effects, best.fit.effects[-1])
-    return refine_widely(problem, Fit(both, problem.drop(both), 0.0)).statistic
 
 
 def _others(effects: Sequence[Effect], one: Ranked) -> list[Effect]:

@@ -46,6 +46,22 @@ def test_a_register_and_an_offset_are_both_named(
 
 
 @pytest.mark.parametrize(
+    ("step_deg", "one_sided_rad_s"), [(0.71, -0.05), (1.13, -0.14), (2.06, 0.14)]
+)
+def test_a_weight_that_makes_up_for_half_a_step_is_named_beside_the_register(
+    model: HammersteinModel, step_deg: float, one_sided_rad_s: float
+) -> None:
+    """Alone the register then looks like another form of itself, or like none."""
+    register = applied("phase_quantisation", "cut off", step_deg=step_deg)
+    weight = applied("load_torque", "weight", one_sided_rad_s=one_sided_rad_s)
+    found = searched(_stretches(model, register, weight), model)
+    values = {a.effect.name: a.values for a in found.fit.effects}
+    assert sorted(found.names) == ["load_torque", "phase_quantisation"]
+    assert values["phase_quantisation"]["step_deg"] == pytest.approx(step_deg, rel=5e-3)
+    assert values["load_torque"]["one_sided_rad_s"] == pytest.approx(one_sided_rad_s, abs=5e-3)
+
+
+@pytest.mark.parametrize(
     ("offset_deg", "asymmetry"),
     [(-0.3, 0.01), (-0.6, 0.02), (0.6, 0.02)],
     ids=["against it", "more against it", "with it, much like a weight"],
