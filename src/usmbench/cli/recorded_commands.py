@@ -1,5 +1,7 @@
 """The commands of a run as a schedule, to be driven again."""
 
+from collections.abc import Iterable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -7,6 +9,7 @@ from usmbench.errors import InputError
 from usmbench.runs.dwells import directions
 from usmbench.runs.record import Column, Record
 from usmbench.settings.plan import Settle
+from usmbench.settings.plan_file import operator_sets_load
 from usmbench.sweep.schedule import HOLD_SETTLE, WARM_UP, Dwell
 
 # A run without these columns was driven as the paper's first figure was.
@@ -55,6 +58,21 @@ def recorded_dwells(record: Record, window_s: float) -> list[Dwell]:
             )
         )
     return dwells
+
+
+def operator_set_loads(record: Record, dwells: Iterable[Dwell]) -> bool:
+    """Return whether somebody set the loads of a run, as its plan says or several torques show.
+
+    Parameters
+    ----------
+    record
+        The run.
+    dwells
+        Its dwells.
+    """
+    plan = record.meta.get("plan")
+    by_plan = isinstance(plan, dict) and operator_sets_load(plan)
+    return by_plan or len({dwell.torque_nm for dwell in dwells}) > 1
 
 
 def _changes(record: Record, rows: NDArray[np.intp]) -> NDArray[np.intp]:

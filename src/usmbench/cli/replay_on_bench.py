@@ -7,7 +7,7 @@ from pathlib import Path
 
 from usmbench.cli.bench_session import Bench, open_bench
 from usmbench.cli.live_panel import LivePanel
-from usmbench.cli.recorded_commands import recorded_dwells
+from usmbench.cli.recorded_commands import operator_set_loads, recorded_dwells
 from usmbench.cli.sweep_run import Job, measure, run_meta
 from usmbench.runs.reader import read_run
 from usmbench.runs.record import Record
@@ -75,7 +75,8 @@ def drive_again(
     check_dwells(dwells, settings, board, record.name)
     head = run_meta(settings, board, replay_of=_identity(record))
     writer = RunWriter.create(folder, head, temperature=settings.temperature is not None, raw=False)
-    job = Job(dwells, _n_windows(dwells, settings), settings.interlocks)
+    asked = operator_set_loads(record, dwells)
+    job = Job(dwells, _n_windows(dwells, settings), settings.interlocks, asked)
     measure(bench, job, writer, observer)
 
 

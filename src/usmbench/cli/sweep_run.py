@@ -43,7 +43,7 @@ class Job:
     dwells: Iterable[Dwell]
     n_windows: int
     interlocks: InterlockSettings
-    ask_operator: bool = False
+    ask_operator: bool
     start: Start = field(default_factory=Start)
 
 

@@ -1,5 +1,6 @@
 """Plan files: read, checked, and errors that name the line."""
 
+from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -72,7 +73,7 @@ def parse_plan(source: Source) -> Plan:
         name=document.get("name", Path(source.file).stem),
         frequency_hz=listed(document["frequency_hz"]),
         torque_nm=listed(document.get("torque_nm", 0.0)),
-        ask_operator=document.get("load") == "operator",
+        ask_operator=operator_sets_load(document),
         outer=document.get("outer", "torque_nm"),
         warm_up=_warm_up(document.get("warm_up")),
         passes=tuple(_pass(source, index) for index in range(len(document.get("passes", ())))),
@@ -82,6 +83,17 @@ def parse_plan(source: Source) -> Plan:
     )
     _check_consistent(plan)
     return plan
+
+
+def operator_sets_load(document: Mapping[str, Any]) -> bool:
+    """Return whether a plan has the operator set each load; else it is there and stays.
+
+    Parameters
+    ----------
+    document
+        What the plan says; one in a run.yaml may say anything.
+    """
+    return document.get("load") == "operator"
 
 
 def _pass(source: Source, index: int) -> Pass:
