@@ -1,12 +1,15 @@
 """Who sets the load: a person at the terminal, or the simulated testbed."""
 
 import os
-import queue
+import select
 import sys
 import threading
+from contextlib import suppress
 from typing import Protocol, TextIO
 
 from usmbench.errors import BenchError
+
+_MOST_READS = 4096  # lines that wait in a terminal; a pipe may never run dry
 
 
 class Operator(Protocol):
@@ -33,7 +36,7 @@ class TerminalOperator:
     def __init__(self, output: TextIO | None = None, input_fd: int = 0):
         self._output = sys.stderr if output is None else output
         self._input_fd = input_fd
-        self._answers: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+        self._answered = threading.Event()
         self._reader: threading.Thread | None = None
         self._asked = False
 
@@ -50,6 +53,10 @@ class TerminalOperator:
         self._asked = ask
         if not ask:
             return
+        # Enter pressed during a pass must not start the drive under somebody's hands.
+        if self._reader is None:
+            self._drop_unread()
+        self._answered.clear()
         self._output.write(f"\nThe drive is off. Set the load to {torque_nm:g} N·m, then Enter: ")
         self._output.flush()
         if self._reader is None:
@@ -58,15 +65,20 @@ class TerminalOperator:
             self._reader = threading.Thread(target=self._read, name="operator", daemon=True)
             self._reader.start()
 
+    def _drop_unread(self) -> None:
+        """Drop what was typed before there was a reader."""
+        # Windows can tell of sockets only.
+        with suppress(OSError):
+            for _ in range(_MOST_READS):
+                waiting, _, _ = select.select([self._input_fd], [], [], 0.0)
+                if not waiting or not os.read(self._input_fd, 1024):
+                    return
+
     def _read(self) -> None:
-        answer = b"?"
-        while answer:
-            try:
-                answer = os.read(self._input_fd, 1024)
-            except OSError:
-                answer = b""
-            if not answer or b"\n" in answer:
-                self._answers.put(answer)
+        with suppress(OSError):
+            while typed := os.read(self._input_fd, 1024):
+                if b"\n" in typed:
+                    self._answered.set()
 
     def load_is_set(self) -> bool:
         """Return whether Enter was pressed.
@@ -78,14 +90,14 @@ class TerminalOperator:
         """
         if not self._asked:
             return True
-        try:
-            answer = self._answers.get_nowait()
-        except queue.Empty:
-            return False
-        if not answer:
+        # Before the answer, which may be the last word.
+        ended = self._reader is not None and not self._reader.is_alive()
+        if self._answered.is_set():
+            self._asked = False
+            return True
+        if ended:
             raise BenchError(
-                "nobody can be asked to set the load, standard input has ended; run the sweep in "
-                "a terminal, or write load: constant into the plan"
+                "nobody can be asked to set the load, standard input has ended; run this in a "
+                "terminal, or write load: constant into a plan of one torque"
             )
-        self._asked = False
-        return True
+        return False
