@@ -48,6 +48,22 @@ class Bench:
     rested_s: float = 0.0
 
 
+def settings_of(bench: str) -> BenchSettings:
+    """Return what a bench file says, or the simulated bench before it is started.
+
+    Parameters
+    ----------
+    bench
+        Bench file, or "simulated".
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        The bench file is wrong.
+    """
+    return BenchSettings(name=SIMULATED) if bench == SIMULATED else load_bench(bench)
+
+
 @contextmanager
 def open_bench(
     bench: str | BenchSettings,

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from usmbench.cli.bench_session import SIMULATED, open_bench
+from usmbench.cli.bench_session import SIMULATED, open_bench, settings_of
 from usmbench.cli.live_panel import LivePanel
+from usmbench.cli.same_bench import another_motor
 from usmbench.cli.simulated_motor import SimulatedMotor
 from usmbench.cli.sweep_run import sweep_new
 from usmbench.diagnose.experiment.next_experiment import propose
@@ -21,7 +22,6 @@ from usmbench.report.plain_text import file_name
 from usmbench.runs.reader import read_run
 from usmbench.runs.record import Record
 from usmbench.settings.bench import BenchSettings
-from usmbench.settings.bench_file import load_bench
 from usmbench.settings.plan import Plan
 from usmbench.settings.plan_file import parse_plan
 from usmbench.settings.yaml_source import Source
@@ -93,7 +93,7 @@ def check_bench(records: Sequence[Record], bench: str, runs: Path) -> list[str]:
         The bench file is wrong, it is another bench or motor than that of a run, its windows are of
         another length, or the folder is none.
     """
-    settings = BenchSettings() if bench == SIMULATED else load_bench(bench)
+    settings = settings_of(bench)
     if runs.exists() and not runs.is_dir():
         raise InputError(f"{runs}: is no folder; choose another --runs-folder")
     for record in records:
@@ -117,13 +117,7 @@ def _another_bench(record: Record, bench: str, settings: BenchSettings) -> str |
     window_s, there_s = float(np.median(record.window_s)), settings.window_s
     if abs(window_s - there_s) > _SAME * window_s:
         return f"its windows are {1e3 * window_s:g} ms long, those of {bench} {1e3 * there_s:g} ms"
-    own, motor = record.meta.get("bench"), record.meta.get("motor")
-    name = own.get("name") if isinstance(own, dict) else None
-    if name is not None and (name == SIMULATED) != (bench == SIMULATED):
-        return f"was measured on the bench {name}, on {bench} is another motor"
-    if bench != SIMULATED and motor not in (None, settings.motor):
-        return f"was measured on the motor {motor}, {bench} has {settings.motor}"
-    return None
+    return another_motor(record.meta, bench, settings)
 
 
 def decide(

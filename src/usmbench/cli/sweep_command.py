@@ -8,9 +8,10 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any, TextIO
 
-from usmbench.cli.bench_session import SIMULATED, open_bench
+from usmbench.cli.bench_session import SIMULATED, open_bench, settings_of
 from usmbench.cli.live_panel import LivePanel
 from usmbench.cli.output import print_or_drop
+from usmbench.cli.same_bench import check_same_bench
 from usmbench.cli.simulated_motor import SimulatedMotor
 from usmbench.cli.sweep_run import sweep_again, sweep_new
 from usmbench.errors import InputError
@@ -20,7 +21,7 @@ from usmbench.runs.meta import read_meta
 from usmbench.runs.output_files import cannot_write
 from usmbench.runs.output_paths import check_outputs
 from usmbench.settings.bench import BenchSettings
-from usmbench.settings.bench_file import load_bench, parse_bench
+from usmbench.settings.bench_file import parse_bench
 from usmbench.settings.plan import Plan
 from usmbench.settings.plan_file import load_plan, parse_plan, shipped_plans
 from usmbench.settings.yaml_source import Source
@@ -85,7 +86,7 @@ def run(args: argparse.Namespace) -> int:
     if args.resume is not None:
         return _resume(args)
     plan = load_plan(args.plan)
-    settings = BenchSettings() if args.bench in (None, SIMULATED) else load_bench(args.bench)
+    settings = settings_of(args.bench or SIMULATED)
     check_plan(plan, settings)
     if args.dry_run:
         print("\n".join(describe(plan, settings, interlocks_of(plan, settings))))
@@ -156,6 +157,8 @@ def _resume(args: argparse.Namespace) -> int:
     if meta.get("exit") == "completed":
         raise InputError("the run is complete, there is nothing to resume", file=folder)
     plan = parse_plan(_part(folder, meta, "plan"))
+    if args.bench is not None:
+        check_same_bench(folder, meta, args.bench, settings_of(args.bench))
     bench: str | BenchSettings = args.bench or parse_bench(_part(folder, meta, "bench"))
     if isinstance(bench, BenchSettings) and bench.name == SIMULATED:
         bench = SIMULATED

@@ -73,6 +73,21 @@ def plan_job(
     )
 
 
+def encoder_meta(bench: BenchSettings) -> dict[str, float]:
+    """Return what run.yaml says of the encoder and its windows.
+
+    Parameters
+    ----------
+    bench
+        The bench.
+    """
+    return {
+        "counts_per_rev": bench.counts_per_rev,
+        "sample_rate_hz": bench.daq.sample_rate_hz,
+        "samples_per_average": bench.daq.samples_per_average,
+    }
+
+
 def run_meta(bench: BenchSettings, board: Identity, **further: Any) -> dict[str, Any]:
     """Return what run.yaml says of a run on a bench.
 
@@ -87,11 +102,7 @@ def run_meta(bench: BenchSettings, board: Identity, **further: Any) -> dict[str,
     """
     return {
         "motor": bench.motor,
-        "encoder": {
-            "counts_per_rev": bench.counts_per_rev,
-            "sample_rate_hz": bench.daq.sample_rate_hz,
-            "samples_per_average": bench.daq.samples_per_average,
-        },
+        "encoder": encoder_meta(bench),
         "firmware": f"{board.firmware_major}.{board.firmware_minor}",
         "generator": {"phase_step_deg": 360.0 / (1 << board.phase_bits)},
         "bench": bench_document(bench),
