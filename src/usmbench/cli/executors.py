@@ -20,7 +20,7 @@ def all_cores() -> Iterator[Executor]:
     Yields
     ------
     concurrent.futures.Executor
-        The pool. What has not begun when the context is left, is not begun.
+        The pool. What is not done when the context is left, is dropped, and its worker ended.
     """
     # Ctrl-C reaches the whole group: a worker then ends at once, and says nothing.
     pool = ProcessPoolExecutor(
@@ -31,7 +31,11 @@ def all_cores() -> Iterator[Executor]:
     try:
         yield pool
     finally:
-        pool.shutdown(cancel_futures=True)
+        # One that is stuck would be waited for, for ever, and as Python ends once more.
+        workers = list((pool._processes or {}).values())
+        pool.shutdown(wait=False, cancel_futures=True)
+        for worker in workers:
+            worker.kill()
 
 
 @contextmanager

@@ -1,9 +1,12 @@
 """Many runs at once: over all cores and over a Dask cluster, as one by one."""
 
 import json
+import os
 import sys
+import time
 from concurrent.futures import Executor, Future
 from dataclasses import replace
+from multiprocessing import active_children
 from pathlib import Path
 from socket import create_server
 from typing import Any
@@ -188,6 +191,21 @@ def test_a_lost_worker_costs_its_own_run_only(monkeypatch: pytest.MonkeyPatch) -
     assert found[0] == {"run": "a", "error": "its worker failed (MemoryError: in�lines)"}
     assert found[1]["run"] == "b"
     assert "nothing was done for 0.05 s" in found[1]["error"]
+
+
+def test_a_stuck_worker_is_told_of_and_ended(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr(each_run, "_SILENT_S", 1.0)
+    os.mkfifo("stuck.csv")  # nobody ever writes into it
+    words = ["stuck.csv", "--model", "model.yaml", "--each"]
+    assert main(["diagnose", *words]) == 2
+    assert "nothing was done for 1 s" in capsys.readouterr().out
+    deadline_s = time.monotonic() + 10.0
+    while active_children():
+        assert time.monotonic() < deadline_s
+        time.sleep(0.01)
 
 
 def test_a_worker_with_another_version_is_named(
