@@ -153,7 +153,9 @@ class Windows:
     def kickoff(self) -> DeviceStatus:
         """Begin to keep windows."""
         self._rows = []
-        self._loop.listeners.append(self._keep)
+        # A plan that was aborted did not complete what it had kicked off.
+        if self._keep not in self._loop.listeners:
+            self._loop.listeners.append(self._keep)
         return _done()
 
     def _keep(self, row: WindowRow, at_s: float) -> None:

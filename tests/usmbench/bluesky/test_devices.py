@@ -126,6 +126,26 @@ def test_every_window_flies_along(open_bench: Any) -> None:
         assert {window["phase_deg"] for window in windows} >= {0.0, 45.0, 90.0}
 
 
+def test_windows_fly_once_after_a_plan_that_was_aborted(open_bench: Any) -> None:
+    with open_bench() as bench:
+        devices = bench.devices
+
+        def aborted() -> Iterator[Any]:
+            yield from bps.kickoff(devices.windows, wait=True)
+            yield from bps.trigger_and_read([devices.encoder])
+            raise ZeroDivisionError
+
+        with pytest.raises(ZeroDivisionError):
+            bench.engine(PREPROCESSORS.run_wrapper(aborted()))
+        bench.documents.clear()
+        plan = scan([devices.encoder], devices.phase, 0, 90, 3)
+        bench.engine(PREPROCESSORS.fly_during_wrapper(plan, [devices.windows]))
+        t_s = [window["t_s"] for window in bench.events("windows")]
+        assert len(t_s) > 30
+        assert t_s == sorted(set(t_s))
+        assert not devices.loop.listeners
+
+
 def test_the_speed_is_monitored(open_bench: Any) -> None:
     with open_bench() as bench:
         devices = bench.devices
