@@ -25,10 +25,10 @@ from jsonschema import ValidationError
 from usmbench.bluesky.run_rows import PRIMARY, WINDOWS, RunRows
 from usmbench.bluesky.signals import data_key
 from usmbench.errors import InputError
-from usmbench.runs.columns import FORMAT, PAIRS_FILE, RUN_FILE, WINDOWS_FILE
+from usmbench.runs.columns import FORMAT, PAIRS_FILE, WINDOWS_FILE
 from usmbench.runs.csv_table import Table, Values, read_table
-from usmbench.runs.files import replace_file
-from usmbench.runs.meta import read_meta, sha256_of
+from usmbench.runs.meta import read_meta
+from usmbench.runs.record_folder import write_folder
 
 Document = tuple[str, dict[str, Any]]
 
@@ -137,7 +137,8 @@ def documents_run(documents: Iterable[tuple[str, Mapping[str, Any]]], folder: Pa
     Raises
     ------
     usmbench.errors.InputError
-        A document is not event-model's, there is no measurement in them, or the folder exists.
+        A document is not event-model's, there is no measurement in them, or the folder exists, or
+        cannot be made or written.
     """
     rows = RunRows()
     start: Mapping[str, Any] = {}
@@ -159,8 +160,7 @@ def documents_run(documents: Iterable[tuple[str, Mapping[str, Any]]], folder: Pa
             stop = document
     if not start:
         raise InputError("the documents have no start; give those of one whole run")
-    texts = rows.texts(float(start["time"]))
-    _write(folder, texts, _meta(start, stop))
+    write_folder(folder, rows.texts(float(start["time"])), _meta(start, stop))
 
 
 def _check(name: str, document: Mapping[str, Any]) -> None:
@@ -202,22 +202,6 @@ def _kept_meta(text: str) -> dict[str, Any]:
     if not isinstance(meta, dict) or meta.get("format") != FORMAT:
         raise InputError(f"the start document's {META_KEY}.{RUN_KEY} is no run.yaml; remove it")
     return {key: value for key, value in meta.items() if key != "sha256"}
-
-
-def _write(folder: Path, texts: Mapping[str, str], meta: dict[str, Any]) -> None:
-    try:
-        folder.mkdir(parents=True)
-        for name, text in texts.items():
-            (folder / name).write_text(text, encoding="utf-8", newline="")
-        sums = {name: sha256_of(folder / name) for name in sorted(texts, reverse=True)}
-        if "exit" in meta:
-            meta = meta | {"sha256": sums}
-        replace_file(folder / RUN_FILE, _yaml(meta).encode())
-    except FileExistsError:
-        raise InputError("exists already; name another folder", file=folder) from None
-    except OSError as error:
-        message = f"cannot be written: {error.strerror}; name another folder"
-        raise InputError(message, file=folder) from error
 
 
 def _yaml(meta: Mapping[str, Any]) -> str:

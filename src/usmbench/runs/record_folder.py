@@ -1,4 +1,4 @@
-"""A run in memory as a run folder: for what was measured by another program."""
+"""A run folder at one go: for what was measured by another program."""
 
 import csv
 import io
@@ -32,7 +32,38 @@ def write_record(folder: Path, record: Record, meta: Mapping[str, Any]) -> None:
     record
         The run.
     meta
-        What run.yaml says: format, id and started at least. The check sums are added.
+        What run.yaml says: format, id, started and exit at least. The check sums are added.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        The folder exists, or cannot be made or written.
+    """
+    columns = {
+        part.name: getattr(record, part.name)
+        for part in fields(Record)
+        if part.name not in _NOT_COLUMNS
+    }
+    written = {name: column for name, column in columns.items() if column is not None}
+    texts = {WINDOWS_FILE: _table(written | record.extra)}
+    pairs = record.pairs or derive_pairs(record.t_s, record.phase_deg, record.speed_rad_s, columns)
+    # Pairs at an operating point that nobody knows are left to the reader to derive.
+    if pairs is not None and _complete(pairs):
+        texts[PAIRS_FILE] = _table({name: getattr(pairs, name) for name in PAIR_COLUMNS})
+    write_folder(folder, texts, meta)
+
+
+def write_folder(folder: Path, texts: Mapping[str, str], meta: Mapping[str, Any]) -> None:
+    """Write a run folder, whole or not at all.
+
+    Parameters
+    ----------
+    folder
+        The folder to make; its parents are made too.
+    texts
+        The data files, by their names.
+    meta
+        What run.yaml says. The check sums are added where it says how the run ended.
 
     Raises
     ------
@@ -47,31 +78,20 @@ def write_record(folder: Path, record: Record, meta: Mapping[str, Any]) -> None:
         message = f"cannot be made: {error.strerror}; name another folder"
         raise InputError(message, file=folder) from error
     try:
-        _fill(folder, record, meta)
+        _fill(folder, texts, meta)
     except OSError as error:
         shutil.rmtree(folder, ignore_errors=True)
         message = f"cannot be written: {error.strerror}; free some space or name another folder"
         raise InputError(message, file=folder) from error
 
 
-def _fill(folder: Path, record: Record, meta: Mapping[str, Any]) -> None:
-    columns = {
-        part.name: getattr(record, part.name)
-        for part in fields(Record)
-        if part.name not in _NOT_COLUMNS
-    }
-    written = {name: column for name, column in columns.items() if column is not None}
-    replace_file(folder / WINDOWS_FILE, _table(written | record.extra))
-    names = [WINDOWS_FILE]
-    pairs = record.pairs or derive_pairs(record.t_s, record.phase_deg, record.speed_rad_s, columns)
-    # Pairs at an operating point that nobody knows are left to the reader to derive.
-    if pairs is not None and _complete(pairs):
-        replace_file(
-            folder / PAIRS_FILE, _table({name: getattr(pairs, name) for name in PAIR_COLUMNS})
-        )
-        names.append(PAIRS_FILE)
-    sums = {"sha256": {name: sha256_of(folder / name) for name in names}}
-    text = yaml.safe_dump(dict(meta) | sums, sort_keys=False, allow_unicode=True)
+def _fill(folder: Path, texts: Mapping[str, str], meta: Mapping[str, Any]) -> None:
+    for name, text in texts.items():
+        replace_file(folder / name, text.encode())
+    said = dict(meta)
+    if "exit" in said:
+        said["sha256"] = {name: sha256_of(folder / name) for name in texts}
+    text = yaml.safe_dump(said, sort_keys=False, allow_unicode=True)
     replace_file(folder / RUN_FILE, text.encode())
 
 
@@ -79,13 +99,13 @@ def _complete(pairs: Pairs) -> bool:
     return all(bool(np.isfinite(getattr(pairs, name)).all()) for name in PAIR_COLUMNS)
 
 
-def _table(columns: Mapping[str, NDArray[Any]]) -> bytes:
+def _table(columns: Mapping[str, NDArray[Any]]) -> str:
     """Return columns as CSV, numbers to twelve digits as the sweep writes them."""
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
     writer.writerows(zip(*(_cells(column) for column in columns.values()), strict=True))
-    return text.getvalue().encode()
+    return text.getvalue()
 
 
 def _cells(column: NDArray[Any]) -> list[str]:

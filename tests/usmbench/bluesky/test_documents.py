@@ -1,5 +1,7 @@
 """A run folder as event-model documents, and back."""
 
+import errno
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -161,3 +163,17 @@ def test_what_is_no_run_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="exists already"):
         documents_run(documents, folder)
     assert yaml.safe_load((folder / "run.yaml").read_text())["exit"] == "completed"
+
+
+def test_a_full_disk_leaves_no_half_of_a_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    documents = list(run_documents(written(tmp_path / "run", n=10)))
+
+    def full_disk(_: int) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "fsync", full_disk)
+    with pytest.raises(InputError, match=r"cannot be written: No space left"):
+        documents_run(documents, tmp_path / "again")
+    assert not (tmp_path / "again").exists()
