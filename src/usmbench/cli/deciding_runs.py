@@ -21,14 +21,13 @@ from usmbench.model.hammerstein import HammersteinModel
 from usmbench.report.plain_text import file_name
 from usmbench.runs.reader import read_run
 from usmbench.runs.record import Record
+from usmbench.runs.time_step import alike
 from usmbench.settings.bench import BenchSettings
 from usmbench.settings.plan import Plan
 from usmbench.settings.plan_file import parse_plan
 from usmbench.settings.yaml_source import Source
 from usmbench.sweep.interrupts import deferred_interrupts
 from usmbench.sweep.preflight import interlocks_of
-
-_SAME = 1e-3  # windows are as long
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +114,7 @@ def check_bench(records: Sequence[Record], bench: str, runs: Path) -> list[str]:
 def _another_bench(record: Record, bench: str, settings: BenchSettings) -> str | None:
     """Say why a bench cannot be the one that measured a run, or return None."""
     window_s, there_s = float(np.median(record.window_s)), settings.window_s
-    if abs(window_s - there_s) > _SAME * window_s:
+    if not alike(window_s, there_s):
         return f"its windows are {1e3 * window_s:g} ms long, those of {bench} {1e3 * there_s:g} ms"
     return another_motor(record.meta, bench, settings)
 

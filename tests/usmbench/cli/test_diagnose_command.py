@@ -223,6 +223,12 @@ def test_a_bench_that_did_not_measure_the_runs_is_refused_before_anything_moves(
         deciding_runs.check_bench([record], "simulated", tmp_path)
 
 
+def test_a_clock_that_jitters_is_no_other_bench(triangle: Record, tmp_path: Path) -> None:
+    window_s = np.full(triangle.t_s.size, 0.01003)
+    record = replace(triangle, meta={"bench": {"name": "simulated"}}, window_s=window_s)
+    assert deciding_runs.check_bench([record], "simulated", tmp_path) == []
+
+
 def test_a_run_of_another_motor_than_the_benchs_is_refused(
     triangle: Record, tmp_path: Path
 ) -> None:
