@@ -3,13 +3,13 @@
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from datetime import datetime
 from pathlib import Path
 
 import numpy as np
 
 from usmbench.cli.bench_session import SIMULATED, open_bench, settings_of
 from usmbench.cli.live_panel import LivePanel
+from usmbench.cli.runs_folder import new_run_folder
 from usmbench.cli.same_bench import another_motor
 from usmbench.cli.simulated_motor import SimulatedMotor
 from usmbench.cli.sweep_run import sweep_new
@@ -152,7 +152,7 @@ def decide(
         if proposal is None:
             return
         plan = parse_plan(Source("the proposed plan", proposal["plan"]))
-        folder = runs / f"{datetime.now():%Y%m%dT%H%M%S}-{file_name(plan.name)}-{number}"
+        folder = new_run_folder(f"{file_name(plan.name)}-{number}", runs)
         motor = SimulatedMotor.of_run(here.records[0].meta, later=number)
         _measure(plan, bench, motor, folder)
         driven = (*here.driven, (str(folder), str(proposal["says"])))

@@ -12,6 +12,7 @@ from usmbench.cli.each_run import Entry, diagnose_each, each_table
 from usmbench.cli.executors import all_cores, cluster
 from usmbench.cli.json_output import write_json
 from usmbench.cli.output import warn
+from usmbench.cli.runs_folder import RUNS_FOLDER
 from usmbench.diagnose.result import Diagnosis
 from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel
@@ -80,7 +81,7 @@ def run(args: argparse.Namespace) -> int:
     if args.each or args.scheduler is not None:
         return _run_each(args)
     model, records = read_model(args.model), [read_run(path) for path in args.runs]
-    runs = args.runs_folder or Path("runs")
+    runs = args.runs_folder or RUNS_FOLDER
     if args.bench is not None:
         warn(check_bench(records, args.bench, runs))
     judged = judge(records, model)

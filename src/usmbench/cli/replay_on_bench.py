@@ -2,12 +2,12 @@
 
 import argparse
 import sys
-from datetime import datetime
 from pathlib import Path
 
 from usmbench.cli.bench_session import Bench, open_bench
 from usmbench.cli.live_panel import LivePanel
 from usmbench.cli.recorded_commands import operator_set_loads, recorded_dwells
+from usmbench.cli.runs_folder import new_run_folder
 from usmbench.cli.sweep_run import Job, measure, run_meta
 from usmbench.runs.reader import read_run
 from usmbench.runs.record import Record
@@ -38,7 +38,7 @@ def replay_on_bench(args: argparse.Namespace) -> int:
         The bench failed; likewise.
     """
     record = read_run(args.recorded)
-    folder = args.out or Path("runs") / f"{datetime.now():%Y%m%dT%H%M%S}-replay"
+    folder = args.out or new_run_folder("replay")
     with deferred_interrupts(), open_bench(args.bench) as bench:
         title = f"replay of {record.name} → {folder}"
         with LivePanel(sys.stderr, title, bench.settings.interlocks) as panel:

@@ -4,13 +4,13 @@ import argparse
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from datetime import datetime
 from pathlib import Path
 from typing import Any, TextIO
 
 from usmbench.cli.bench_session import SIMULATED, open_bench, settings_of
 from usmbench.cli.live_panel import LivePanel
 from usmbench.cli.output import print_or_drop
+from usmbench.cli.runs_folder import new_run_folder
 from usmbench.cli.same_bench import check_same_bench
 from usmbench.cli.simulated_motor import SimulatedMotor
 from usmbench.cli.sweep_run import sweep_again, sweep_new
@@ -28,8 +28,6 @@ from usmbench.settings.yaml_source import Source
 from usmbench.sweep.interrupts import deferred_interrupts
 from usmbench.sweep.preflight import check_plan, interlocks_of
 from usmbench.sweep.summary import describe
-
-RUNS_FOLDER = Path("runs")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -91,7 +89,7 @@ def run(args: argparse.Namespace) -> int:
     if args.dry_run:
         print("\n".join(describe(plan, settings, interlocks_of(plan, settings))))
         return 0
-    folder = args.out or RUNS_FOLDER / f"{datetime.now():%Y%m%dT%H%M%S}-{file_name(plan.name)}"
+    folder = args.out or new_run_folder(file_name(plan.name))
     _check_absent(folder)
     return _drive(args, args.bench, plan, folder)
 
