@@ -122,6 +122,10 @@ def test_a_plan_that_only_one_run_has_is_told_by_its_name(
 def test_a_bare_csv_and_a_run_without_pairs_are_shown(here: Path) -> None:
     (here / "bare.csv").write_text("phase_deg,speed_rad_s\n" + "0,0\n" * 6 + "9,1\n" * 6)
     assert main(["show", "bare.csv", "--plot", "bare.pdf"]) == 0
+    assert main(["show", "bare.csv", "--plot", "bare.svg"]) == 0
+    assert (here / "bare.svg").read_text(encoding="utf-8").count("<!-- rising φ -->") == 1
+    assert main(["compare", "bare.csv", "bare.csv", "--plot", "both.svg"]) == 0
+    assert (here / "both.svg").read_text(encoding="utf-8").count("<!-- B − A (rad/s) -->") == 1
     make_run(here / "unsettled", settled=False)
     assert main(["show", "unsettled", "--plot", "unsettled.png"]) == 0
     assert is_png(here / "unsettled.png")
