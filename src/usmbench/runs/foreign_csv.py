@@ -88,6 +88,12 @@ class CsvFile:
         values = np.empty(len(self._cells))
         for row, cells in enumerate(self._cells):
             cell = cells[place].strip()
+            if self._decimal == "," and "." in cell:  # of thousands, or a decimal sign after all
+                message = (
+                    f"{name} is {cell[:40]!r}, with a point, though csv.decimal in the mapping is "
+                    'a comma; write numbers without points, or say decimal: "."'
+                )
+                raise self.error(row, message)
             try:
                 # Python's 1_000 is no number in a CSV file.
                 values[row] = float(cell.replace("_", "?").replace(self._decimal, "."))

@@ -210,6 +210,13 @@ def test_a_wrong_file_names_the_line(tmp_path: Path, text: str, message: str) ->
     assert message in refusal(tmp_path, text, PLAIN)
 
 
+@pytest.mark.parametrize("cell", ["1.000", "1.000,5", "1.5"])
+def test_a_point_beside_a_decimal_comma_is_refused(tmp_path: Path, cell: str) -> None:
+    text = f"t;phi;w\n0;0;0\n1;0;{cell}\n"
+    said = refusal(tmp_path, text, PLAIN, csv={"delimiter": ";", "decimal": ","})
+    assert f"data.csv:3: w is '{cell}', with a point" in said
+
+
 SPEED = {"from": "w", "unit": "rad/s"}
 
 
