@@ -172,7 +172,7 @@ def _column(said: dict[str, Any]) -> ForeignColumn:
 
 
 def _check_units(mapping: ImportMapping) -> None:
-    """Refuse volts and counts that stand for nothing, and a scale for what has a unit."""
+    """Refuse volts and counts that stand for nothing, and a scale or step that is not for them."""
     for name, column in mapping.columns.items():
         place = ("columns", name)
         if (column.unit == VOLT) != (column.per_volt != 0.0):
@@ -182,6 +182,12 @@ def _check_units(mapping: ImportMapping) -> None:
                 else f"per_volt is for unit V, not for {column.unit}; remove one of them"
             )
             raise mapping.source.error((*place, "unit"), message)
+        if column.unit != VOLT and column.zero_v != 0.0:
+            message = f"zero_v is for unit V, not for {column.unit}; remove one of them"
+            raise mapping.source.error((*place, "zero_v"), message)
+        if column.unit in COUNTS and column.round_to is not None:
+            message = f"round_to is not for {column.unit}; remove it"
+            raise mapping.source.error((*place, "round_to"), message)
         if column.unit in COUNTS and mapping.counts_per_rev is None:
             message = "counts need encoder: {counts_per_rev: …}; add it"
             raise mapping.source.error((*place, "unit"), message)

@@ -226,7 +226,13 @@ SPEED = {"from": "w", "unit": "rad/s"}
         ({"speed_rad_s": SPEED | {"unit": "km/h"}}, {}, "map.yaml:11: columns.speed_rad_s.unit"),
         ({"speed_rad_s": SPEED | {"unit": "V"}}, {}, "say with per_volt"),
         ({"speed_rad_s": SPEED | {"per_volt": 2.0}}, {}, "per_volt is for unit V"),
+        ({"speed_rad_s": SPEED | {"zero_v": 2.5}}, {}, "map.yaml:12: columns.speed_rad_s.zero_v"),
         ({"speed_rad_s": SPEED | {"unit": "counts"}}, {}, "counts need encoder"),
+        (
+            {"speed_rad_s": SPEED | {"unit": "counts", "round_to": 1.0}},
+            {"encoder": {"counts_per_rev": 2000}},
+            "map.yaml:12: columns.speed_rad_s.round_to: round_to is not for counts",
+        ),
         ({"speed_rad_s": SPEED | {"form": "w"}}, {}, "did you mean from?"),
         ({"angle": SPEED}, {}, "map.yaml:13: columns.angle: unknown key"),
         ({}, {"constants": {"frequency_hz": 0}}, "constants.frequency_hz: 0 is not above 0"),
