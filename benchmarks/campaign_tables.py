@@ -162,10 +162,6 @@ def _right(row: Row) -> bool:
     return row["judgement"] in _FIRST
 
 
-def _both(row: Row) -> bool:
-    return bool(row["judgement"] == "right")
-
-
 def _in_set(row: Row) -> bool:
     return row["judgement"] in (*_FIRST, "in the set")
 

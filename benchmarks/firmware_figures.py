@@ -90,10 +90,6 @@ class BoardPort:
         self.board.replies.clear()
         return len(data)
 
-    def reset_input_buffer(self) -> None:
-        """Forget what was not read."""
-        self._input.clear()
-
     def close(self) -> None:
         """Forget what was not read."""
         self._input.clear()

@@ -109,11 +109,6 @@ class DdsPair:
         self._write_control(time_s, control)
 
     @property
-    def outputs_on(self) -> bool:
-        """Whether either chip gives a signal."""
-        return self.a.running or self.b.running
-
-    @property
     def drive(self) -> Drive:
         """The drive voltages that the chips' registers make."""
         steps = self.b.phase_word - self.a.phase_word

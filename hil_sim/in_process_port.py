@@ -156,11 +156,6 @@ class InProcessPort:
         self._pending += self._testbed.host_bytes(bytes(data), at_s)
         return len(data)
 
-    def reset_input_buffer(self) -> None:
-        """Forget what was received and not read."""
-        for _ in range(self._ready()):
-            self._pending.popleft()
-
     def close(self) -> None:
         """Release the port."""
         self._closed = True

@@ -22,7 +22,7 @@ SHORT_REPLY = 7
 def running(*faults: Fault, **settings: Any) -> InProcessBench:
     bench = InProcessBench(2, faults=faults, **settings)
     bench.port.write(IDENTIFY + SET_DRIVE + ON)
-    bench.port.reset_input_buffer()
+    bench.port.read(bench.port.in_waiting)
     bench.port.timeout = 0.1
     bench.source.start()
     return bench
@@ -101,7 +101,7 @@ def test_a_spoilt_frame_costs_one_resend(kind: FaultKind, direction: Direction) 
     good = exchange(running().port)
     assert exchange(bench.port) != good
     bench.port.write(b"\0")
-    bench.port.reset_input_buffer()
+    bench.port.read(bench.port.in_waiting)
     assert exchange(bench.port) == good
 
 

@@ -69,13 +69,10 @@ class PaperIdentification:
         The identification.
     result
         The search.
-    map_iterations
-        Rounds of the inverse de Casteljau iteration.
     """
 
     found: Identification
     result: LmResult
-    map_iterations: int
 
 
 def identify_paper(records: Sequence[Record], options: PaperOptions) -> PaperIdentification:
@@ -100,7 +97,7 @@ def identify_paper(records: Sequence[Record], options: PaperOptions) -> PaperIde
     for k, knots in enumerate(knots_deg):
         check_rows(data, knots.size - 1, options.na, options.nb, point=k)
         _check_phases(data, knots.size - 1, k)
-    blocks, map_iterations = _blocks(data, knots_deg, options, rng)
+    blocks = _blocks(data, knots_deg, options, rng)
     a = _denominator(blocks, options)
     lagged = [Lagged(b.basis, b.speed_rad_s - b.past_rad_s @ a) for b in blocks]
     result = search(lagged, 1.0 + float(a.sum()), rng, options.search)
@@ -108,7 +105,7 @@ def identify_paper(records: Sequence[Record], options: PaperOptions) -> PaperIde
     curves = [StaticCurve(k, d) for k, d in zip(knots_deg, result.delta, strict=True)]
     found = assemble(data, "paper", linear, curves)
     found = replace(found, fit_s=time.perf_counter() - started_s)
-    return PaperIdentification(found, result, map_iterations)
+    return PaperIdentification(found, result)
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,16 +119,16 @@ class _Block:
 
 def _blocks(
     data: Dataset, knots_deg: Sequence[Array], options: PaperOptions, rng: np.random.Generator
-) -> tuple[list[_Block], int]:
-    """Regressors of eq. (18b), one block an operating point, and the map's iterations."""
+) -> list[_Block]:
+    """Regressors of eq. (18b), one block an operating point."""
     first = max(options.na, options.nb)
-    most, blocks = 0, []
+    blocks = []
     for point, knots in enumerate(knots_deg):
         bases, speeds, pasts = [], [], []
         for segment in (s for s in data.segments if s.point == point and s.n > first):
-            x, iterations = inverse_de_casteljau(segment.phase_deg, knots, rng)
+            x, _ = inverse_de_casteljau(segment.phase_deg, knots, rng)
             basis = bernstein_basis(np.clip(x, 0.0, 1.0), knots.size - 1)
-            most, n = max(most, iterations), segment.n
+            n = segment.n
             lags = [basis[first - k : n - k] for k in range(options.nb + 1)]
             past = [-segment.speed_rad_s[first - i : n - i] for i in range(1, options.na + 1)]
             bases.append(np.stack(lags))
@@ -140,7 +137,7 @@ def _blocks(
         blocks.append(
             _Block(np.concatenate(bases, axis=1), np.concatenate(speeds), np.vstack(pasts))
         )
-    return blocks, most
+    return blocks
 
 
 def _denominator(blocks: Sequence[_Block], options: PaperOptions) -> Array:

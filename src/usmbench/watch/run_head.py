@@ -86,7 +86,6 @@ def read_head(folder: Path) -> RunHead:
         "firmware": meta.get("firmware"),
         "device": daq.get("device"),
         "sample_rate_hz": encoder.get("sample_rate_hz"),
-        "counts_per_rev": encoder.get("counts_per_rev"),
     }
     said = {key: str(value) for key, value in words.items() if value is not None}
     return RunHead(
