@@ -18,7 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hil_sim.ni_server import serve
+from hil_sim.faults import FaultSchedule
+from hil_sim.ni_server import NiServer
 from hil_sim.plant import MotorPlant
 from hil_sim.signals import Drive, Samples
 from usmbench.instruments.encoder import EncoderGeometry, EncoderState, decode
@@ -107,7 +108,7 @@ class Setup:
 
 def run_server(setup: Setup) -> None:
     feed = DrivenMotor() if setup.speed_rad_s is None else SteadyEncoder(setup.speed_rad_s)
-    server = serve(feed, lock_step=setup.lock_step)
+    server = NiServer(feed, lock_step=setup.lock_step, faults=FaultSchedule())
     print(json.dumps({"address": server.address}), flush=True)
     sys.stdin.read()
     server.stop()

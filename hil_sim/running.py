@@ -4,7 +4,7 @@ from typing import Self
 
 from hil_sim.clock import Clock, LockStep, RealTime
 from hil_sim.faults import FaultSchedule
-from hil_sim.ni_server import serve
+from hil_sim.ni_server import NiServer
 from hil_sim.pty_edge import PtyEdge
 from hil_sim.sample_feed import SampleFeed
 from hil_sim.testbed import BoardMachine, FaultablePlant, Testbed
@@ -45,7 +45,7 @@ class RunningTestbed:
         self.testbed = Testbed(plant, faults, board=board)
         clock: Clock = LockStep(self.testbed) if lock_step else RealTime()
         self._feed = SampleFeed(self.testbed, clock)
-        self._server = serve(self._feed, lock_step=lock_step, faults=self.testbed.faults)
+        self._server = NiServer(self._feed, lock_step=lock_step, faults=self.testbed.faults)
         self._edge = PtyEdge(self.testbed, clock)
         self.port = self._edge.path
         self.daq_address = self._server.address

@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Browser, sync_playwright
 
 from hil_sim.faults import FaultSchedule
-from hil_sim.ni_server import NiServer, serve
+from hil_sim.ni_server import NiServer
 from hil_sim.signals import Samples
 
 CHROMIUM = os.environ.get("USMBENCH_CHROMIUM") or shutil.which("chromium")
@@ -82,7 +82,7 @@ def serve_encoder() -> Iterator[ServeEncoder]:
         *, lock_step: bool = True, faults: Any = (), feed: TurningEncoder | None = None, **kind: Any
     ) -> tuple[NiServer, TurningEncoder]:
         encoder = feed or TurningEncoder(**kind)
-        server = serve(encoder, lock_step=lock_step, faults=FaultSchedule(faults))
+        server = NiServer(encoder, lock_step=lock_step, faults=FaultSchedule(faults))
         servers.append(server)
         return server, encoder
 

@@ -11,6 +11,7 @@ from hil_sim.ni_server.channels import Wiring
 from hil_sim.ni_server.clock import SampleFeed
 from hil_sim.ni_server.service import NiDaqService
 
+_DEVICE: Final = "Dev1"  # name of the card
 _WORKERS: Final = 8  # an event stream holds one for as long as it is open
 _STOP_TIMEOUT_S: Final = 5.0
 
@@ -23,11 +24,14 @@ class NiServer:
     feed
         Where the samples come from.
     lock_step
-        Whether time stands still until samples are read.
+        Whether simulated time stands still until samples are read, instead of following the clock.
     faults
         What goes wrong, and when.
-    device
-        Name of the card.
+
+    Attributes
+    ----------
+    address
+        Where clients connect.
 
     Raises
     ------
@@ -35,18 +39,11 @@ class NiServer:
         No port of this machine can be opened.
     """
 
-    def __init__(
-        self,
-        feed: SampleFeed,
-        *,
-        lock_step: bool,
-        faults: FaultSchedule,
-        device: str = "Dev1",
-    ):
+    def __init__(self, feed: SampleFeed, *, lock_step: bool, faults: FaultSchedule):
         self._card = Card(feed, lock_step=lock_step, faults=faults)
         self._workers = ThreadPoolExecutor(_WORKERS, thread_name_prefix="ni_server")
         self._server = grpc.server(self._workers)
-        service = NiDaqService(self._card, Wiring(device, faults), die=self._die)
+        service = NiDaqService(self._card, Wiring(_DEVICE, faults), die=self._die)
         self._server.add_generic_rpc_handlers((service.handlers(),))
         try:
             port = self._server.add_insecure_port("127.0.0.1:0")
@@ -65,31 +62,3 @@ class NiServer:
         self._card.close()
         self._server.stop(None).wait(_STOP_TIMEOUT_S)
         self._workers.shutdown(wait=True)
-
-
-def serve(
-    feed: SampleFeed,
-    *,
-    lock_step: bool,
-    faults: FaultSchedule | None = None,
-    device: str = "Dev1",
-) -> NiServer:
-    """Start a server and return it; its `address` is where clients connect.
-
-    Parameters
-    ----------
-    feed
-        Where the samples come from.
-    lock_step
-        Whether simulated time stands still until samples are read, instead of following the clock.
-    faults
-        What goes wrong, and when; None for nothing.
-    device
-        Name of the card.
-
-    Raises
-    ------
-    OSError
-        No port of this machine can be opened.
-    """
-    return NiServer(feed, lock_step=lock_step, faults=faults or FaultSchedule(), device=device)
