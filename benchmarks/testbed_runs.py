@@ -21,10 +21,10 @@ Array = NDArray[np.float64]
 _COLUMNS = ("t_s", "phase_deg", "speed_rad_s", "window_s", "frequency_hz", "torque_nm")
 
 
-def head(frequency_hz: float = 41e3, torque_nm: float = 0.0, warm_up_s: int = 300) -> str:
+def head(warm_up_s: int) -> str:
     """Return the beginning of a plan."""
     return (
-        f"format: usmbench-plan/1\nfrequency_hz: {frequency_hz:g}\ntorque_nm: {torque_nm:g}\n"
+        "format: usmbench-plan/1\nfrequency_hz: 41000\ntorque_nm: 0\n"
         f"warm_up: {{phase_deg: 90, frequency_hz: 41000, duration_s: {warm_up_s}}}\n"
     )
 

@@ -49,7 +49,7 @@ class Counter:
         return (counts + self.initial) & ((1 << self.bits) - 1)
 
 
-def card_counter(family: Family, faults: FaultSchedule, bits: int | None = None) -> Counter:
+def card_counter(family: Family, faults: FaultSchedule) -> Counter:
     """Return the counter of a card, preset where the schedule wants it to wrap.
 
     Parameters
@@ -58,10 +58,8 @@ def card_counter(family: Family, faults: FaultSchedule, bits: int | None = None)
         Family of the card.
     faults
         The run's faults.
-    bits
-        Width, where it is not that of the family.
     """
-    width = COUNTER_BITS[family] if bits is None else bits
+    width = COUNTER_BITS[family]
     presets = faults.of(FaultKind.COUNTER_WRAP)
     return Counter(family, width, (1 << width) - presets[0].counts if presets else 0)
 

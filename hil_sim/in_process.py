@@ -154,8 +154,6 @@ class InProcessBench:
         Rate of the sample clock.
     samples_per_block
         Samples in each block.
-    counter_bits
-        Width of the counter, where it is not that of the family.
     family
         "m_x" or "e_series", as in the bench file.
     faults
@@ -174,7 +172,6 @@ class InProcessBench:
         *,
         sample_rate_hz: float = 100_000.0,
         samples_per_block: int = 1000,
-        counter_bits: int | None = None,
         family: Family = "m_x",
         faults: Iterable[Fault] = (),
         no_data_timeout_s: float = 0.5,
@@ -188,7 +185,7 @@ class InProcessBench:
         self.source = InProcessSource(
             train,
             samples_per_block=samples_per_block,
-            counter=card_counter(family, schedule, counter_bits),
+            counter=card_counter(family, schedule),
             no_data_timeout_s=no_data_timeout_s,
             temperature=temperature,
         )

@@ -50,7 +50,7 @@ class WarmUp(NamedTuple):
 
 
 def static_curve(
-    parameters: PlantParameters, point: OperatingPoint, phases_deg: list[float], seed: int = 0
+    parameters: PlantParameters, point: OperatingPoint, phases_deg: list[float]
 ) -> list[float]:
     """Return the settled speed at each phase shift, one after the other on the cold motor.
 
@@ -62,15 +62,13 @@ def static_curve(
         Frequency and load.
     phases_deg
         Phase shifts, in the order they are driven.
-    seed
-        Seed of the plant.
 
     Returns
     -------
     list of float
         Speeds in rad/s.
     """
-    rig = Rig(parameters, point, seed)
+    rig = Rig(parameters, point)
     speeds = []
     for phase_deg in phases_deg:
         rig.drive(phase_deg)
@@ -78,9 +76,7 @@ def static_curve(
     return speeds
 
 
-def dead_zone_deg(
-    parameters: PlantParameters, point: OperatingPoint, seed: int = 0
-) -> tuple[float, float]:
+def dead_zone_deg(parameters: PlantParameters, point: OperatingPoint) -> tuple[float, float]:
     """Return the dead zone's edges, found by bisection from rest.
 
     Parameters
@@ -89,24 +85,22 @@ def dead_zone_deg(
         The motor.
     point
         Frequency and load.
-    seed
-        Seed of the plant.
 
     Returns
     -------
     tuple of float
         Lower and upper edge in degrees, to 0.1; ∓90 where it does not move at all.
     """
-    low, high = (_edge_deg(parameters, point, sign, seed) for sign in (-1.0, 1.0))
+    low, high = (_edge_deg(parameters, point, sign) for sign in (-1.0, 1.0))
     return low, high
 
 
-def _edge_deg(parameters: PlantParameters, point: OperatingPoint, sign: float, seed: int) -> float:
+def _edge_deg(parameters: PlantParameters, point: OperatingPoint, sign: float) -> float:
     """Edge of the dead zone on one side."""
     still_deg, moving_deg = 0.0, 90.0
     while moving_deg - still_deg > 0.1:
         middle_deg = 0.5 * (still_deg + moving_deg)
-        (speed,) = static_curve(parameters, point, [sign * middle_deg], seed)
+        (speed,) = static_curve(parameters, point, [sign * middle_deg])
         if abs(speed) > _MOVES_RAD_S:
             moving_deg = middle_deg
         else:
@@ -121,7 +115,6 @@ def lag_s(
     to_deg: float,
     *,
     repeats: int = 10,
-    seed: int = 0,
 ) -> float:
     """Return the lag of the speed behind steps of the phase shift.
 
@@ -135,15 +128,13 @@ def lag_s(
         Phase shift before and after the step.
     repeats
         Steps averaged.
-    seed
-        Seed of the plant.
 
     Returns
     -------
     float
         Area between the step and the speed, over the step's height; τ for a first-order lag.
     """
-    rig = Rig(parameters, point, seed)
+    rig = Rig(parameters, point)
     missing_rad = rise_rad_s = 0.0
     for _ in range(repeats):
         rig.drive(from_deg)
@@ -156,9 +147,7 @@ def lag_s(
     return missing_rad / rise_rad_s
 
 
-def warm_up(
-    parameters: PlantParameters, point: OperatingPoint, duration_s: float, seed: int = 0
-) -> WarmUp:
+def warm_up(parameters: PlantParameters, point: OperatingPoint, duration_s: float) -> WarmUp:
     """Return how speed and temperature change under full drive.
 
     Parameters
@@ -169,15 +158,13 @@ def warm_up(
         Frequency and load.
     duration_s
         Time of full drive.
-    seed
-        Seed of the plant.
 
     Returns
     -------
     WarmUp
         Speeds averaged over half a second at either end.
     """
-    rig = Rig(parameters, point, seed)
+    rig = Rig(parameters, point)
     rig.drive(90.0)
     cold = rig.speed(average_s=0.5), rig.temperature_c
     rig.turn(duration_s)

@@ -36,12 +36,10 @@ class Rig:
         The motor.
     point
         Frequency and load.
-    seed
-        Seed of the plant.
     """
 
-    def __init__(self, parameters: PlantParameters, point: OperatingPoint, seed: int = 0):
-        self._plant = MotorPlant(parameters, seed)
+    def __init__(self, parameters: PlantParameters, point: OperatingPoint):
+        self._plant = MotorPlant(parameters)
         self._point = point
         self._n_samples = 0
         self._rad_per_count = 2.0 * np.pi / (4 * parameters.disc.lines)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hil_sim.counter import Counter, card_counter, sensor_volts
+from hil_sim.counter import Counter, Family, card_counter, sensor_volts
 from hil_sim.faults import Fault, FaultKind, FaultSchedule
 
 POSITION = np.array([-5, -4, -1, 0, 3, 4, 9])
@@ -19,10 +19,10 @@ def test_x1_counts_whole_lines_in_24_bits() -> None:
     assert values.tolist() == [2**24 - 2, 2**24 - 1, 2**24 - 1, 0, 0, 1, 2]
 
 
-@pytest.mark.parametrize("bits", [8, 24, 32])
-def test_a_preset_wraps_after_as_many_counts(bits: int) -> None:
+@pytest.mark.parametrize(("family", "bits", "x4"), [("m_x", 32, 1), ("e_series", 24, 4)])
+def test_a_preset_wraps_after_as_many_counts(family: Family, bits: int, x4: int) -> None:
     schedule = FaultSchedule([Fault(FaultKind.COUNTER_WRAP, 0.0, counts=3)])
-    values = card_counter("m_x", schedule, bits).values(np.arange(6))
+    values = card_counter(family, schedule).values(x4 * np.arange(6))
     assert values.tolist() == [2**bits - 3, 2**bits - 2, 2**bits - 1, 0, 1, 2]
 
 

@@ -4,7 +4,6 @@ import os
 import queue
 import threading
 import time
-from collections.abc import Callable
 from contextlib import suppress
 from types import TracebackType
 from typing import Final, Self, TextIO
@@ -35,28 +34,19 @@ class LivePanel:
         What is measured, and where to.
     limits
         When the drive goes off.
-    clock
-        Seconds on the clock on the wall.
     """
 
-    def __init__(
-        self,
-        stream: TextIO,
-        title: str,
-        limits: InterlockSettings,
-        clock: Callable[[], float] = time.monotonic,
-    ):
+    def __init__(self, stream: TextIO, title: str, limits: InterlockSettings):
         self._stream = stream
         self._title = title
         self._limits = limits
-        self._clock = clock
         self._shown = stream.isatty() and os.environ.get("TERM") != "dumb"
         self._colours = {} if os.environ.get("NO_COLOR") else _COLOURS
         self._curve = LiveCurve()
         self._pairs: queue.SimpleQueue[PairRow] = queue.SimpleQueue()
         self._latest: tuple[WindowRow, Standing, int] | None = None
         self._windows = 0
-        self._begun_s = clock()
+        self._begun_s = time.monotonic()
         self._lines_drawn = 0
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._draw_on, name="panel", daemon=True)
@@ -119,7 +109,7 @@ class LivePanel:
         if standing.waiting_for_load and not self._lines_drawn:
             return
         columns, rows = self._size()
-        seen = Seen(row, standing, windows, self._clock() - self._begun_s)
+        seen = Seen(row, standing, windows, time.monotonic() - self._begun_s)
         lines = panel_lines(self._title, seen, self._limits, self._curve, columns, rows)
         text = "\x1b[K\n".join(map(self._coloured, lines)) + "\x1b[K"
         if standing.waiting_for_load:

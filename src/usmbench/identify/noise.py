@@ -13,15 +13,13 @@ HIGHEST_ORDER = 10
 _EXACT = 1e-6  # share of the variance that is left
 
 
-def fit_noise(pieces: Sequence[Array], highest_order: int = HIGHEST_ORDER) -> tuple[Array, float]:
+def fit_noise(pieces: Sequence[Array]) -> tuple[Array, float]:
     """Fit an autoregressive model to residuals, its order by Schwarz's criterion.
 
     Parameters
     ----------
     pieces
         Residuals of unbroken stretches, each of shape (n_k,), of about zero mean.
-    highest_order
-        Highest order tried.
 
     Returns
     -------
@@ -31,7 +29,7 @@ def fit_noise(pieces: Sequence[Array], highest_order: int = HIGHEST_ORDER) -> tu
         Standard deviation of the white part.
     """
     n = sum(piece.size for piece in pieces)
-    order = max(0, min(highest_order, n // 20, max(p.size for p in pieces) - 1))
+    order = max(0, min(HIGHEST_ORDER, n // 20, max(p.size for p in pieces) - 1))
     covariance = np.zeros(order + 1)
     for piece in pieces:
         for k in range(min(order + 1, piece.size)):

@@ -8,7 +8,7 @@ from usmbench.model.inverse_map import check_knots
 
 Array = NDArray[np.float64]
 
-LEARNING_RATE = 0.01  # γ of Section V
+LEARNING_RATE = 0.01  # γ of eq. (12), as in Section V
 _MAX_ITERATIONS = 20_000
 
 
@@ -17,7 +17,6 @@ def inverse_de_casteljau(
     knots_deg: Array,
     rng: np.random.Generator,
     *,
-    learning_rate: float = LEARNING_RATE,
     tolerance_deg: float = 1e-10,
 ) -> tuple[Array, int]:
     """Map phases to abscissas of the Bézier curve by error feedback.
@@ -30,8 +29,6 @@ def inverse_de_casteljau(
         Knots Φ, strictly rising, shape (d + 1,).
     rng
         Draws the start of every iteration in (0, 1).
-    learning_rate
-        γ of eq. (12).
     tolerance_deg
         ε: the iteration of a sample stops once ``|φ − φ̂(x)|`` is within it. The paper tests
         φ̃, which belongs to the next x, and returns this one.
@@ -55,7 +52,7 @@ def inverse_de_casteljau(
         left_deg, right_deg = _last_chord(x[moving], knots_deg)
         reached_deg = (1.0 - x[moving]) * left_deg + x[moving] * right_deg  # (11)
         error_deg = phase_deg[moving] - reached_deg
-        target_deg = reached_deg + learning_rate * error_deg  # (12)
+        target_deg = reached_deg + LEARNING_RATE * error_deg  # (12)
         open_ = np.abs(error_deg) > tolerance_deg
         if not np.any(open_):
             return x, iteration

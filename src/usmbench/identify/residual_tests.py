@@ -99,7 +99,7 @@ class FittedRows:
             own -= regressors @ along
 
 
-def serial_test(fitted: FittedRows, lags: int = SERIAL_LAGS) -> ResidualTest:
+def serial_test(fitted: FittedRows) -> ResidualTest:
     """Test for correlation with the residual's own past, all lags together.
 
     The regressors make the residual's first lags correlated even where the noise is white.
@@ -108,10 +108,8 @@ def serial_test(fitted: FittedRows, lags: int = SERIAL_LAGS) -> ResidualTest:
     ----------
     fitted
         Residual and regressors of the fit.
-    lags
-        Number of lags.
     """
-    past = [_lagged(residual, lags, 0.0) for residual in fitted.residuals]
+    past = [_lagged(residual, SERIAL_LAGS, 0.0) for residual in fitted.residuals]
     explained, left, rank = fitted.explained(past)
     statistic = fitted.n * explained / left if left > 0.0 else 0.0
     return ResidualTest(

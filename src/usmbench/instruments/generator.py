@@ -76,21 +76,13 @@ class SignalGenerator:
         self._identity = self._board.identify()
 
     @classmethod
-    def open(
-        cls,
-        settings: GeneratorSettings,
-        *,
-        clock: Callable[[], float] = time.monotonic,
-        frame_log: TextIO | None = None,
-    ) -> Self:
+    def open(cls, settings: GeneratorSettings, *, frame_log: TextIO | None = None) -> Self:
         """Open the board's serial port, found by asking where the settings say "auto".
 
         Parameters
         ----------
         settings
             Port and limits, from the bench file.
-        clock
-            Seconds.
         frame_log
             Text stream that takes every frame on the line, or None.
 
@@ -106,12 +98,11 @@ class SignalGenerator:
         usmbench.errors.BoardError
             The board does not answer, or has a fault.
         """
-        name = find_board(clock=clock) if settings.port == AUTO else settings.port
+        name = find_board() if settings.port == AUTO else settings.port
         port = open_port(name)
         try:
             return cls(
                 port,
-                clock=clock,
                 frequency_limits_hz=settings.frequency_limits_hz,
                 phase_limits_deg=settings.phase_limits_deg,
                 frame_log=frame_log,

@@ -3,7 +3,7 @@
 import errno
 import sys
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from contextlib import suppress
 from typing import Final
 
@@ -70,17 +70,13 @@ def open_port(name: str) -> serial.Serial:
     return port
 
 
-def find_board(
-    extra_names: Iterable[str] = (), *, clock: Callable[[], float] = time.monotonic
-) -> str:
+def find_board(extra_names: Iterable[str] = ()) -> str:
     """Ask every serial port who it is; only identify is sent.
 
     Parameters
     ----------
     extra_names
         Ports to ask beside those the system lists, such as pseudo-terminals.
-    clock
-        Seconds.
 
     Returns
     -------
@@ -92,7 +88,7 @@ def find_board(
     usmbench.errors.InputError
         No board answered, or several did.
     """
-    answers = {name: _why_no_board(name, clock) for name in [*port_names(), *extra_names]}
+    answers = {name: _why_no_board(name) for name in [*port_names(), *extra_names]}
     boards = [name for name, reason in answers.items() if reason is None]
     if len(boards) == 1:
         return boards[0]
@@ -108,10 +104,10 @@ def find_board(
     )
 
 
-def _why_no_board(name: str, clock: Callable[[], float]) -> str | None:
+def _why_no_board(name: str) -> str | None:
     """Ask one port; None where a board answers."""
     try:
-        link = BoardLink(open_port(name), clock=clock, tries=_SEARCH_TRIES)
+        link = BoardLink(open_port(name), clock=time.monotonic, tries=_SEARCH_TRIES)
     except InputError:
         return "cannot be opened"
     try:
