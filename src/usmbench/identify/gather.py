@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +11,7 @@ from usmbench.identify.data import Dataset, FittedRun, Point, Segment, describe
 from usmbench.identify.wild_rows import BEYOND, wild_rows
 from usmbench.runs.check_record import changed_since_closed, check_numbers, check_together
 from usmbench.runs.columns import DRIVE_COLUMN
+from usmbench.runs.meta import said_numbers
 from usmbench.runs.record import Record
 from usmbench.runs.time_step import alike, breaks
 
@@ -206,8 +206,8 @@ def _points_without_data(record: Record, found: Sequence[Point]) -> list[str]:
     plan = record.meta.get("plan")
     if not isinstance(plan, dict):
         return []
-    frequencies_hz = _numbers(plan.get("frequency_hz"))
-    torques_nm = _numbers(plan.get("torque_nm", 0.0))
+    frequencies_hz = said_numbers(plan.get("frequency_hz"))
+    torques_nm = said_numbers(plan.get("torque_nm", 0.0))
     missing = [
         describe((frequency_hz, torque_nm)).removeprefix(" at ")
         for frequency_hz in frequencies_hz
@@ -220,12 +220,6 @@ def _points_without_data(record: Record, found: Sequence[Point]) -> list[str]:
         f"{record.name}: the plan asks for {'; '.join(missing)}, and no usable row is there; "
         "the model has no curve for it"
     ]
-
-
-def _numbers(value: Any) -> list[float]:
-    """Return a plan's number, or list of numbers, as a list."""
-    values = value if isinstance(value, list) else [value]
-    return [float(v) for v in values if isinstance(v, int | float)]
 
 
 def _fitted(record: Record, rows: int) -> FittedRun:

@@ -5,12 +5,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from usmbench.errors import InputError
 from usmbench.runs.columns import RUN_FILE
 from usmbench.runs.condition import Condition
-from usmbench.runs.meta import changed_files
+from usmbench.runs.meta import changed_files, said_numbers
 from usmbench.runs.meta_blocks import MetaBlocks
 
 _BEFORE_ALL: Final = datetime.min.replace(tzinfo=UTC)
@@ -146,8 +146,8 @@ def _summary(folder: Path, meta: MetaBlocks) -> RunSummary:
         run_id=None if run_id is None else str(run_id),
         started=_instant(meta.get("started")),
         plan=None if name is None else str(name),
-        frequencies_hz=_numbers(plan.get("frequency_hz")),
-        torques_nm=_numbers(plan.get("torque_nm", 0.0 if plan else None)),
+        frequencies_hz=said_numbers(plan.get("frequency_hz")),
+        torques_nm=said_numbers(plan.get("torque_nm", 0.0 if plan else None)),
         exit_text="open" if outcome is None else str(outcome),
     )
 
@@ -159,11 +159,6 @@ def _instant(value: object) -> datetime | None:
     except ValueError:
         return None
     return when if when.tzinfo is not None else when.astimezone()
-
-
-def _numbers(value: Any) -> tuple[float, ...]:
-    values = value if isinstance(value, list) else [value]
-    return tuple(float(number) for number in values if isinstance(number, int | float))
 
 
 def _age(run: RunSummary) -> tuple[datetime, str]:

@@ -1,6 +1,7 @@
 """run.yaml and the check sums in it."""
 
 import hashlib
+from collections.abc import Mapping
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -76,6 +77,31 @@ def run_source(folder: Path) -> Source:
         message = f"{stated!r}, this version reads {FORMAT}; install the usmbench that wrote it"
         raise source.error(("format",), message)
     return source
+
+
+def said_window_s(meta: Mapping[str, Any]) -> float | None:
+    """Return the duration of a run's windows by run.yaml, None where it does not say.
+
+    Parameters
+    ----------
+    meta
+        What run.yaml says.
+    """
+    encoder = meta.get("encoder") or {}
+    samples, rate_hz = encoder.get("samples_per_average"), encoder.get("sample_rate_hz")
+    return None if samples is None or rate_hz is None else float(samples / rate_hz)
+
+
+def said_numbers(value: object) -> tuple[float, ...]:
+    """Return the number, or the list of numbers, that a key of the plan holds.
+
+    Parameters
+    ----------
+    value
+        What stands there; what is no number is left out.
+    """
+    values = value if isinstance(value, list) else [value]
+    return tuple(float(number) for number in values if isinstance(number, int | float))
 
 
 def changed_files(folder: Path, sums: object) -> list[str]:

@@ -17,7 +17,7 @@ from usmbench.runs.columns import (
 )
 from usmbench.runs.csv_table import Table, read_table
 from usmbench.runs.dwells import derive_pairs
-from usmbench.runs.meta import changed_files, read_meta
+from usmbench.runs.meta import changed_files, read_meta, said_window_s
 from usmbench.runs.record import Column, Pairs, Record
 from usmbench.runs.time_step import UNKNOWN_S, usual_step_s
 
@@ -143,7 +143,7 @@ def _window_s(table: Table, columns: dict[str, Column], meta: dict[str, Any]) ->
     """Return the duration of each window, from the best source there is."""
     window_s = columns.get("window_s")
     if window_s is None:
-        usual_s = _said_window_s(meta)
+        usual_s = said_window_s(meta)
         if usual_s is None:
             usual_s = usual_step_s(columns["t_s"]) if "t_s" in columns else UNKNOWN_S
         window_s = np.full(len(columns["phase_deg"]), usual_s)
@@ -155,13 +155,6 @@ def _window_s(table: Table, columns: dict[str, Column], meta: dict[str, Any]) ->
             line=table.line_of(int(wrong[0])),
         )
     return window_s
-
-
-def _said_window_s(meta: dict[str, Any]) -> float | None:
-    """Return the window's duration by run.yaml, None where it does not say."""
-    encoder = meta.get("encoder") or {}
-    samples, rate_hz = encoder.get("samples_per_average"), encoder.get("sample_rate_hz")
-    return None if samples is None or rate_hz is None else float(samples / rate_hz)
 
 
 def _read_pairs(path: Path) -> Pairs | None:

@@ -7,15 +7,13 @@ from typing import Any
 
 from usmbench.errors import InputError
 from usmbench.runs.columns import RUN_FILE
-from usmbench.runs.meta import read_meta
+from usmbench.runs.meta import read_meta, said_window_s
+from usmbench.runs.time_step import UNKNOWN_S
 from usmbench.settings.bench_file import parse_bench
 from usmbench.settings.plan_file import parse_plan
 from usmbench.settings.yaml_source import Source
 from usmbench.sweep.preflight import interlocks_of
 from usmbench.sweep.summary import n_windows
-
-# The paper's window, where nothing says otherwise.
-WINDOW_S = 0.01
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +52,7 @@ def bare_head(path: Path) -> RunHead:
     path
         The file.
     """
-    return RunHead(str(path), {}, "a bare file", WINDOW_S, None, can_be_stopped=False)
+    return RunHead(str(path), {}, "a bare file", UNKNOWN_S, None, can_be_stopped=False)
 
 
 def read_head(folder: Path) -> RunHead:
@@ -92,7 +90,7 @@ def read_head(folder: Path) -> RunHead:
         str(folder),
         said,
         None if outcome is None else str(outcome),
-        _window_s(encoder),
+        said_window_s(meta) or UNKNOWN_S,
         _planned_windows(folder, meta),
         can_be_stopped=outcome is None,
     )
@@ -101,11 +99,6 @@ def read_head(folder: Path) -> RunHead:
 def _mapping(meta: Mapping[str, Any], key: str) -> Mapping[str, Any]:
     value = meta.get(key)
     return value if isinstance(value, dict) else {}
-
-
-def _window_s(encoder: Mapping[str, Any]) -> float:
-    samples, rate_hz = (encoder.get(key) for key in ("samples_per_average", "sample_rate_hz"))
-    return WINDOW_S if samples is None or rate_hz is None else float(samples / rate_hz)
 
 
 def _planned_windows(folder: Path, meta: Mapping[str, Any]) -> int | None:
