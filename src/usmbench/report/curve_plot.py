@@ -1,5 +1,6 @@
 """Measured pairs, the fitted static curve over them, and what lies between."""
 
+from math import nan
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ from matplotlib.figure import Figure
 from usmbench.errors import InputError
 from usmbench.model.hammerstein import OperatingPoint
 from usmbench.report.drawing import CURVE_POINTS, PASSES, save_figure
+from usmbench.report.panels import at_point, point_title
 from usmbench.runs.record import Pairs
 
 
@@ -28,10 +30,13 @@ def write_curve_plot(path: Path, pairs: Pairs, point: OperatingPoint) -> None:
     usmbench.errors.InputError
         No pair belongs to the operating point, or the file cannot be written.
     """
-    at_point = _at(pairs.frequency_hz, point.frequency_hz) & _at(pairs.torque_nm, point.torque_nm)
+    frequency_hz, torque_nm = (
+        nan if value is None else value for value in (point.frequency_hz, point.torque_nm)
+    )
+    here = at_point(pairs, (frequency_hz, torque_nm))
     low_deg, high_deg = point.phase_range_deg
-    at_point &= (pairs.phase_deg >= low_deg) & (pairs.phase_deg <= high_deg)
-    if not at_point.any():
+    here &= (pairs.phase_deg >= low_deg) & (pairs.phase_deg <= high_deg)
+    if not here.any():
         raise InputError("no settled pair belongs to the model's operating point", file=path)
     figure = Figure(figsize=(9.0, 6.0), layout="constrained")
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=(3.0, 1.0))
@@ -40,7 +45,7 @@ def write_curve_plot(path: Path, pairs: Pairs, point: OperatingPoint) -> None:
         phase_deg, point.curve.speed_rad_s(phase_deg), color="C0", lw=1.3, label="fitted curve"
     )
     for direction, marker, label, shade in PASSES:
-        chosen = at_point & (pairs.direction == direction)
+        chosen = here & (pairs.direction == direction)
         measured, phases = pairs.speed_rad_s[chosen], pairs.phase_deg[chosen]
         style = {"marker": marker, "ls": "none", "ms": 4.5, "color": shade, "mfc": "none"}
         top.plot(phases, measured, label=f"measured, {label}", **style)
@@ -52,21 +57,6 @@ def write_curve_plot(path: Path, pairs: Pairs, point: OperatingPoint) -> None:
     top.set_ylabel("speed ω (rad/s)")
     bottom.set_ylabel("residual (rad/s)")
     bottom.set_xlabel("phase shift φ (°)")
-    top.set_title(_title(point))
+    top.set_title(point_title((frequency_hz, torque_nm)))
     top.legend(loc="upper left", frameon=False)
     save_figure(figure, path)
-
-
-def _at(
-    column: np.ndarray[tuple[int], np.dtype[np.float64]], wanted: float | None
-) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-    """Return where a column has the wanted value; everywhere if none is."""
-    if wanted is None:
-        return np.ones(column.shape, dtype=np.bool_)
-    return np.isclose(column, wanted)
-
-
-def _title(point: OperatingPoint) -> str:
-    if point.frequency_hz is None or point.torque_nm is None:
-        return "Static curve"
-    return f"Static curve at {point.frequency_hz / 1e3:g} kHz and {point.torque_nm:g} N·m"

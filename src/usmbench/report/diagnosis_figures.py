@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.result import Trace, View
-from usmbench.report.diagnosis_svg import Axis, Panel, data_range, drawing, thinned
+from usmbench.report.diagnosis_svg import Axis, Panel, data_range, drawing
+from usmbench.report.thinning import thinned
 
 Array = NDArray[np.float64]
 

@@ -19,13 +19,14 @@ from usmbench.report.panels import (
     rows_of,
 )
 from usmbench.report.plain_text import short_name
-from usmbench.runs.record import Column, Pairs, Record
+from usmbench.report.thinning import thinned
+from usmbench.runs.record import Pairs, Record
 
 if TYPE_CHECKING:  # importing a model takes longer than to draw the run
     from usmbench.model.hammerstein import HammersteinModel, OperatingPoint
 
-# Twice the pixels of a wide screen: more bins would draw over each other.
-_BINS = 4000
+# Twice the pixels of a wide screen: more columns would draw over each other.
+_LINE_COLUMNS = 4000
 
 
 def write_run_plot(path: Path, record: Record, model: HammersteinModel | None = None) -> None:
@@ -102,23 +103,11 @@ def _model_point(
 
 def _draw_time(figure: Figure | SubFigure, record: Record) -> None:
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=(1.6, 1.0))
-    kept = _thinned(record.speed_rad_s)
     t_s, label = shown_time(record)
-    top.plot(t_s[kept], record.speed_rad_s[kept], color="0.15", lw=0.8)
+    top.plot(*thinned(t_s, record.speed_rad_s, _LINE_COLUMNS), color="0.15", lw=0.8)
     bottom.plot(t_s, record.phase_deg, color="0.15", lw=0.8, drawstyle="steps-pre")
     top.set_ylabel("speed ω (rad/s)")
     bottom.set(xlabel=label, ylabel="phase φ (°)")
     for axes in (top, bottom):
         axes.grid(color="0.9", lw=0.6)
         axes.margins(x=0.01)
-
-
-def _thinned(values: Column) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
-    """Return the entries of a long column that a plot shows: both ends of every bin's range."""
-    if len(values) <= 2 * _BINS:
-        return np.arange(len(values))
-    starts = np.linspace(0, len(values), _BINS, endpoint=False).astype(np.intp)
-    ends = np.append(starts[1:], len(values))
-    low = [a + int(np.argmin(values[a:b])) for a, b in zip(starts, ends, strict=True)]
-    high = [a + int(np.argmax(values[a:b])) for a, b in zip(starts, ends, strict=True)]
-    return np.unique(low + high)

@@ -11,7 +11,6 @@ import pytest
 from usmbench.cli.main import main
 from usmbench.model.hammerstein import HammersteinModel, LinearPart, OperatingPoint, StaticCurve
 from usmbench.model.model_file import write_model
-from usmbench.report.run_plot import _thinned
 from usmbench.runs.writer import RunWriter
 from usmbench.sweep.rows import PairRow, WindowRow
 
@@ -139,15 +138,6 @@ def test_a_hostile_name_is_only_a_name(here: Path) -> None:
         done = subprocess.run(command, capture_output=True, text=True, cwd=here)
         assert (done.returncode, done.stderr) == (0, "")
         assert all(line.isprintable() for line in done.stdout.splitlines())
-
-
-def test_a_long_run_keeps_its_extremes() -> None:
-    values = np.zeros(100_003)
-    values[[5, 77_777, 100_002]] = (3.0, -2.0, 1.0)
-    kept = _thinned(values)
-    assert len(kept) <= 8000
-    assert {5, 77_777, 100_002} <= set(kept.tolist())
-    assert np.all(np.diff(kept) > 0)
 
 
 @pytest.mark.parametrize(

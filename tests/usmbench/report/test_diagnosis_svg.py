@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from usmbench.report.diagnosis_svg import Axis, Panel, data_range, thinned
+from usmbench.report.diagnosis_svg import Axis, Panel, data_range
 
 finite = st.floats(-1e6, 1e6)
 
@@ -32,17 +32,6 @@ def test_a_range_holds_its_data_and_is_never_empty(values: list[float]) -> None:
     low, high = data_range(np.array([*values, np.nan, np.inf]))
     assert low < high
     assert all(low <= value <= high for value in values)
-
-
-def test_thinning_keeps_every_extreme() -> None:
-    rng = np.random.default_rng(1)
-    x, y = np.arange(10_000.0), rng.standard_normal(10_000)
-    y[1234], y[8765] = 9.0, -9.0
-    few_x, few_y = thinned(x, y, 100)
-    assert few_x.size <= 200
-    assert np.all(np.diff(few_x) > 0.0)
-    assert {1234.0, 8765.0} <= set(few_x)
-    assert (few_y.max(), few_y.min()) == (9.0, -9.0)
 
 
 def test_a_line_breaks_where_a_point_is_missing() -> None:
