@@ -38,7 +38,7 @@ public:
     void callback() override;
     void abandon();  // a byte cut off by a reset
     uint64_t bit_cycles = kCyclesPerBit;
-    // Bytes since the last call of take().
+    // Bytes since the bridge last emptied it.
     std::deque<uint8_t> received;
 
 private:
