@@ -24,7 +24,7 @@ from usmbench.watch.trace import Trace
 
 Array = NDArray[np.float64]
 
-WINDOW_COLUMNS: Final = (
+SHOWN_WINDOW_COLUMNS: Final = (
     "t_s",
     "phase_deg",
     "speed_rad_s",
@@ -36,7 +36,7 @@ WINDOW_COLUMNS: Final = (
     "drive_on",
     "temperature_c",
 )
-PAIR_COLUMNS: Final = ("phase_deg", "speed_rad_s", "direction", "frequency_hz", "torque_nm")
+SHOWN_PAIR_COLUMNS: Final = ("phase_deg", "speed_rad_s", "direction", "frequency_hz", "torque_nm")
 # A window comes every 10 ms; silence this long is more than a busy disk.
 SILENT_AFTER_S: Final = 2.0
 WHOLE_BUCKETS, RECENT_BUCKETS, RECENT_STRIDE = 600, 500, 4
@@ -72,10 +72,12 @@ class LiveView:
         self._is_folder = path.is_dir()
         self._head_stamp: tuple[int, int] | None = None
         self.head = self._read_head()
-        needed = ("t_s", "phase_deg", "speed_rad_s") if self._is_folder else WINDOW_COLUMNS[1:3]
+        needed = (
+            ("t_s", "phase_deg", "speed_rad_s") if self._is_folder else SHOWN_WINDOW_COLUMNS[1:3]
+        )
         windows = path / WINDOWS_FILE if self._is_folder else path
-        self._windows = RowTail(windows, WINDOW_COLUMNS, needed)
-        self._pairs = RowTail(path / PAIRS_FILE, PAIR_COLUMNS, PAIR_COLUMNS)
+        self._windows = RowTail(windows, SHOWN_WINDOW_COLUMNS, needed)
+        self._pairs = RowTail(path / PAIRS_FILE, SHOWN_PAIR_COLUMNS, SHOWN_PAIR_COLUMNS)
         self._curve = PairCurve()
         self._beside: SimulationBeside | None = None
         if model is not None:
@@ -111,7 +113,7 @@ class LiveView:
         """Derive the pairs of a bare CSV, which does not grow."""
         pairs = read_run(self.path).pairs
         if pairs is not None:
-            columns = [getattr(pairs, name) for name in PAIR_COLUMNS]
+            columns = [getattr(pairs, name) for name in SHOWN_PAIR_COLUMNS]
             self._curve.add(np.column_stack(columns))
 
     def look(self) -> None:
@@ -134,7 +136,7 @@ class LiveView:
             self._pace.popleft()
 
     def _take(self, rows: Array) -> None:
-        columns = dict(zip(WINDOW_COLUMNS, rows.T, strict=True))
+        columns = dict(zip(SHOWN_WINDOW_COLUMNS, rows.T, strict=True))
         if np.isnan(columns["t_s"]).any():
             first = self._n_windows + 1
             columns["t_s"] = self.head.window_s * np.arange(first, first + len(rows))
