@@ -58,7 +58,7 @@ def run(args: argparse.Namespace) -> int:
     write_run_plot(args.plot, record, model)
     warn(changed_since_closed([record]))
     for name, value in _lines(record, args.plot):
-        print(f"{name:10} {printable(value)}")
+        print(f"{name:11} {printable(value)}")
     return 0
 
 
@@ -76,7 +76,7 @@ def _lines(record: Record, plot: Path) -> list[tuple[str, str]]:
     lines.append(("speed", f"{speed.min():.4g} to {speed.max():.4g} rad/s"))
     if record.temperature_c is not None and np.isfinite(record.temperature_c).any():
         low, high = np.nanmin(record.temperature_c), np.nanmax(record.temperature_c)
-        lines.append(("warmth", f"{low:.1f} to {high:.1f} °C"))
+        lines.append(("temperature", f"{low:.1f} to {high:.1f} °C"))
     if record.pairs is not None:
         scatter = float(np.median(record.pairs.speed_std_rad_s))
         pairs = f"{len(record.pairs.t_s)}, scatter within a dwell {scatter:.3g} rad/s (median)"

@@ -61,11 +61,11 @@ def test_show_says_what_the_run_is_and_draws_it(
     make_run(here / "run")
     assert main(["show", "run"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert "plan       short" in lines
-    assert "windows    60 of 10 ms, 0.60 s in all" in lines
-    assert "speed      -6 to 6 rad/s" in lines
-    assert "warmth     25.0 to 25.0 °C" in lines
-    assert lines[-1] == "plot       show.png"
+    assert "plan        short" in lines
+    assert "windows     60 of 10 ms, 0.60 s in all" in lines
+    assert "speed       -6 to 6 rad/s" in lines
+    assert "temperature 25.0 to 25.0 °C" in lines
+    assert lines[-1] == "plot        show.png"
     assert is_png(here / "show.png")
 
 
