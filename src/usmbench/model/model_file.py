@@ -23,6 +23,7 @@ from usmbench.settings.yaml_source import Source, read_source
 
 FORMAT = "usmbench-model"
 VERSION = 1
+_ROUNDED = 1e-3  # of a gain: as far as it is off where a person rounds a and b
 _MOST_BYTES = 50_000_000  # of hundred operating points with all that is known of them
 
 
@@ -148,15 +149,21 @@ def _check_format(content: object, path: Path) -> None:
 
 
 def _check_linear(source: Source) -> None:
-    """Refuse dynamics that run away, and a torque limit beside anything but a lag in time steps."""
+    """Refuse dynamics that run away or do nothing, and a torque limit beside anything but a lag."""
     linear = source.document["linear"]
     if linear["a"] and not np.max(np.abs(poles(np.array(linear["a"], dtype=np.float64)))) < 1.0:
         raise source.error(("linear", "a"), "has a pole of size 1 or more: no speed would settle")
-    lag = len(linear["a"]) == 1 and -1.0 < linear["a"][0] < 0.0
+    gain = sum(linear["b"]) / (1.0 + sum(linear["a"]))
+    if abs(gain) < _ROUNDED:
+        message = "adds up to 0: the motor would stand at every phase; give b that add up to 1 + Σa"
+        raise source.error(("linear", "b"), message)
+    # Beside a torque limit the speed goes to the curve's own, whatever b says.
+    lag = len(linear["a"]) == 1 and -1.0 < linear["a"][0] < 0.0 and abs(gain - 1.0) < _ROUNDED
     if linear.get("slip_limit_rad_s") is not None and not (lag and linear["window_s"]):
         raise source.error(
             ("linear", "slip_limit_rad_s"),
-            "needs one a between -1 and 0, and a window_s; write null for linear dynamics",
+            "needs one a between -1 and 0, b that add up to 1 + a, and a window_s; write null for "
+            "linear dynamics",
         )
 
 
