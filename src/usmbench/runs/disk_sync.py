@@ -35,6 +35,11 @@ class DiskSync:
         self._worker = ThreadPoolExecutor(1, thread_name_prefix="run folder")
         self._last: Future[None] | None = None
 
+    @property
+    def at_work(self) -> bool:
+        """Whether the disk is still taking what it was given."""
+        return self._last is not None and not self._last.done()
+
     def check(self) -> None:
         """Find out whether the disk has taken everything so far.
 

@@ -1,6 +1,7 @@
 """The counter samples themselves, in HDF5."""
 
 import os
+import re
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +11,17 @@ from numpy.typing import NDArray
 
 from usmbench.errors import BenchError
 from usmbench.instruments.samples import SampleBlock
+from usmbench.runs.raw_file import UNWRITTEN, close, drop_unwritten, recover
 
 _CHUNK_SAMPLES = 65536
 _CHUNK_BLOCKS = 1024
+# Of each column at most; so much at least HDF5 may still have to write when a disk is full.
+_CACHE_BYTES = 1 << 20
 _NOT_READ = -1
+# Given back before the file is closed, so that what HDF5 still holds fits on a full disk.
+_RESERVE_FILE = ".reserve-raw"
+_RESERVE_BYTES = 1 << 18
+_HDF5_ERRORS = (OSError, RuntimeError, KeyError, ValueError)
 
 
 class RawWriter:
@@ -38,14 +46,28 @@ class RawWriter:
 
     def __init__(self, path: Path):
         self.path = path
+        self._failed = False
+        self._reserve = path.with_name(_RESERVE_FILE)
+        self._columns: dict[str, Any] = {}
         try:
             if path.exists():
-                _recover(path)
-            self._file = h5py.File(path, "a", libver="latest")
-            self._columns = {name: self._column(name) for name in _CHUNKS}
-            self._file.swmr_mode = True
-        except (OSError, RuntimeError, KeyError, ValueError) as error:
+                recover(path)
+            self._reserve.write_bytes(bytes(_RESERVE_BYTES))
+            self._open()
+        except _HDF5_ERRORS as error:
+            self._reserve.unlink(missing_ok=True)
             raise _raw_error(path, error) from error
+
+    def _open(self) -> None:
+        """Open the file, with every column and nothing in it that was not written."""
+        self._file = h5py.File(self.path, "a", libver="latest", rdcc_nbytes=_CACHE_BYTES)
+        try:
+            self._columns = {name: self._column(name) for name in _CHUNKS}
+            drop_unwritten(self._columns)
+            self._file.swmr_mode = True
+        except _HDF5_ERRORS:
+            self._release()
+            raise
 
     def _column(self, name: str) -> Any:
         """Return one growing column, made where the file does not have it."""
@@ -57,7 +79,7 @@ class RawWriter:
             maxshape=(None,),
             dtype=np.int64,
             chunks=(_CHUNKS[name],),
-            fillvalue=_NOT_READ,
+            fillvalue=_NOT_READ if name == "index_counts" else UNWRITTEN,
             compression="gzip",
             compression_opts=1,
             shuffle=True,
@@ -87,7 +109,8 @@ class RawWriter:
             if block.index_counts is not None and len(block.index_counts):
                 end = self._columns["counts"].shape[0]
                 self._extend("index_counts", end - len(block.index_counts), block.index_counts)
-        except (OSError, RuntimeError) as error:
+        except _HDF5_ERRORS as error:
+            self._failed = True
             raise _raw_error(self.path, error) from error
 
     def _extend(self, name: str, first: int, values: NDArray[np.int64]) -> None:
@@ -111,21 +134,32 @@ class RawWriter:
                 os.fsync(descriptor)
             finally:
                 os.close(descriptor)
-        except (OSError, RuntimeError) as error:
+        except _HDF5_ERRORS as error:
+            self._failed = True
             raise _raw_error(self.path, error) from error
 
     def close(self) -> None:
-        """Close the file.
+        """Close the file; after a failure it ends with the last block that was written whole.
 
         Raises
         ------
         usmbench.errors.BenchError
-            HDF5 could not write what it still held.
+            HDF5 could not write what it still held. The file is then left as a kill leaves it.
         """
         try:
-            self._file.close()
-        except (OSError, RuntimeError) as error:
+            self._release()
+            if self._failed:
+                # Of what failed HDF5 takes some for written: only the file itself shows what is.
+                self._columns.clear()
+                self._open()
+                self._release()
+        except _HDF5_ERRORS as error:
             raise _raw_error(self.path, error) from error
+
+    def _release(self) -> None:
+        """Give the reserve back, and close the file."""
+        self._reserve.unlink(missing_ok=True)
+        close(self._file, self._columns)
 
 
 _CHUNKS = {
@@ -136,24 +170,12 @@ _CHUNKS = {
 }
 
 
-def _recover(path: Path) -> None:
-    """Copy what a killed writer left into a file that can be continued."""
-    try:
-        h5py.File(path, "r+", libver="latest").close()
-    except OSError:
-        new = path.with_name(path.name + ".new")
-        with (
-            h5py.File(path, "r", libver="latest", swmr=True) as old,
-            h5py.File(new, "w", libver="latest") as copy,
-        ):
-            for name in old:
-                old.copy(name, copy)
-        new.replace(path)
-
-
 def _raw_error(path: Path, error: Exception) -> BenchError:
     """Return what the user is told when HDF5 fails."""
+    said = re.search("error message = '([^']*)'", str(error))
+    why = said[1] if said else (getattr(error, "strerror", None) or str(error)).partition("\n")[0]
     return BenchError(
-        f"{path}: the counter samples cannot be kept ({error}); the CSV files are safe, "
-        "free some space or sweep without raw samples"
+        f"{path}: the counter samples cannot be kept ({why}); the CSV files are safe, "
+        f"free some space and take the plan up again with --resume {path.parent}, or sweep without "
+        "raw samples"
     )

@@ -18,11 +18,11 @@ from usmbench.runs.columns import (
     WINDOW_COLUMNS_T,
     WINDOWS_FILE,
 )
+from usmbench.runs.data_files import DataFiles
 from usmbench.runs.disk_sync import DiskSync
 from usmbench.runs.files import AppendedFile, disk_error, sync_folder
 from usmbench.runs.meta_writer import begin_meta, close_meta, new_meta, resumed_meta
 from usmbench.runs.pauses import resumes_at_s
-from usmbench.runs.raw import RawWriter
 from usmbench.runs.row_text import pair_text, window_text
 from usmbench.runs.stop_point import StopPoint, columns_of, stop_point
 from usmbench.runs.stop_request import forget_stop_request
@@ -54,10 +54,8 @@ class RunWriter:
         self._temperature = temperature
         self._failure: BenchError | None = None
         self._closed = False
-        self._windows = AppendedFile(folder / WINDOWS_FILE)
-        self._pairs = AppendedFile(folder / PAIRS_FILE)
-        self._raw = RawWriter(folder / RAW_FILE) if raw else None
-        self._disk = DiskSync(self._sync, folder)
+        self._files = DataFiles(folder, temperature=temperature, raw=raw)
+        self._disk = DiskSync(self._files.sync, folder)
         self._synced = time.monotonic()
 
     @classmethod
@@ -111,7 +109,6 @@ class RunWriter:
         """Write run.yaml and the head of every file."""
         begin_meta(folder, meta)
         writer = cls(folder, meta, temperature=temperature, raw=raw)
-        writer._write_heads()
         sync_folder(folder)
         sync_folder(folder.parent)
         return writer
@@ -152,9 +149,6 @@ class RunWriter:
             temperature=TEMPERATURE_COLUMN in columns,
             raw=(folder / RAW_FILE).exists(),
         )
-        writer._windows.drop_torn_row()
-        writer._pairs.drop_torn_row()
-        writer._write_heads()
         writer.stopped_at = stop_point(folder)
         return writer
 
@@ -167,14 +161,6 @@ class RunWriter:
             The shortest pause since the last of them.
         """
         return resumes_at_s(self.stopped_at.t_s, self._meta, least_s)
-
-    def _write_heads(self) -> None:
-        """Write the column names into files that have none."""
-        columns = WINDOW_COLUMNS_T if self._temperature else WINDOW_COLUMNS
-        for file, names in ((self._windows, columns), (self._pairs, PAIR_COLUMNS_WRITTEN)):
-            if not file.size:
-                file.append((",".join(names) + "\n").encode())
-            file.sync()
 
     def window(self, row: WindowRow) -> None:
         """Append one window; on disk within a second.
@@ -189,7 +175,7 @@ class RunWriter:
         usmbench.errors.BenchError
             The row could not be written, or the disk has not taken those before it.
         """
-        self._append(self._windows, window_text(row, temperature=self._temperature))
+        self._append(self._files.windows, window_text(row, temperature=self._temperature))
         if time.monotonic() - self._synced >= _SYNC_PERIOD_S:
             self._force()
 
@@ -206,7 +192,7 @@ class RunWriter:
         usmbench.errors.BenchError
             The row could not be written, or the disk has not taken those before it.
         """
-        self._append(self._pairs, pair_text(row))
+        self._append(self._files.pairs, pair_text(row))
         self._force()
 
     def raw(self, block: SampleBlock) -> None:
@@ -222,9 +208,9 @@ class RunWriter:
         usmbench.errors.BenchError
             The samples could not be written.
         """
-        if self._raw is not None:
+        if self._files.raw is not None:
             try:
-                self._raw.append(block)
+                self._files.raw.append(block)
             except BenchError as error:
                 self._failure = error
                 raise
@@ -250,23 +236,28 @@ class RunWriter:
         self._closed = True
         if self._failure is not None and not outcome.startswith("failed"):
             outcome = f"failed: {self._failure}"
+        failure = self._close_files()
+        told = f"failed: {failure}" if failure and not outcome.startswith("failed") else outcome
         try:
-            self._close_files()
-            names = [WINDOWS_FILE, PAIRS_FILE] + ([RAW_FILE] if self._raw else [])
-            close_meta(self.folder, self._meta, outcome, names, extra)
-        except BenchError:
-            if not outcome.startswith("failed"):
-                raise
+            # While the disk stands still, run.yaml would stand still with it.
+            if not self._disk.at_work:
+                close_meta(self.folder, self._meta, told, self._files.closed, extra)
+        except BenchError as error:
+            failure = failure or error
+        if failure is not None and not outcome.startswith("failed"):
+            raise failure
 
-    def _close_files(self) -> None:
-        """Force the rows to disk and release the files."""
-        try:
-            self._disk.finish()
-        finally:
-            self._windows.close()
-            self._pairs.close()
-            if self._raw is not None:
-                self._raw.close()
+    def _close_files(self) -> BenchError | None:
+        """Force the rows to disk and release the files; return what went wrong first."""
+        failure = None
+        for step in (self._disk.finish, self._files.close):
+            try:
+                step()
+            except BenchError as error:
+                failure = failure or error
+            if self._disk.at_work:
+                break
+        return failure
 
     def _append(self, file: AppendedFile, row: str) -> None:
         """Append one row and remember a failure for `close`."""
@@ -281,10 +272,3 @@ class RunWriter:
         """Have everything forced to disk meanwhile."""
         self._disk.request()
         self._synced = time.monotonic()
-
-    def _sync(self) -> None:
-        """Force everything to disk, windows before the pairs that were made from them."""
-        self._windows.sync()
-        self._pairs.sync()
-        if self._raw is not None:
-            self._raw.sync()

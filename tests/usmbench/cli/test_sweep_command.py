@@ -1,12 +1,15 @@
 """What a user meets: arguments, messages, exit statuses, paths."""
 
 import signal
+import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import h5py
 import pytest
 import yaml
 
@@ -270,3 +273,35 @@ def test_a_run_is_taken_up_at_another_port_and_other_limits(
     Path("other.yaml").write_text(yaml.safe_dump(other))
     assert main(["sweep", "--resume", "out", "--bench", "other.yaml"]) == 0
     assert yaml.safe_load((tmp_path / "out" / "run.yaml").read_text())["exit"] == "completed"
+
+
+def on_a_small_disk(tmp_path: Path) -> list[str]:
+    """Return the beginning of a command that runs where `disk` has 800 kB, and keeps its files."""
+    script = (
+        'mount -t tmpfs -o size=800k tmpfs disk && shift && "$@"; status=$?; '
+        'cp -a disk/. kept; exit "$status"'
+    )
+    (tmp_path / "disk").mkdir()
+    start = ["unshare", "--map-root-user", "--mount", "sh", "-c", script, "sh", "--"]
+    try:
+        done = subprocess.run([*start, "true"], cwd=tmp_path, capture_output=True, timeout=10.0)
+    except FileNotFoundError:
+        pytest.skip("no unshare(1) here")
+    if done.returncode:
+        pytest.skip("no file system may be mounted here")
+    return start
+
+
+def test_a_full_disk_ends_a_sweep_with_raw_samples_in_good_order(tmp_path: Path) -> None:
+    command = ["sweep", "phase-sweep", "--bench", "simulated", "--raw", "--out", "disk/run"]
+    command = [*on_a_small_disk(tmp_path), sys.executable, "-m", "usmbench", *command]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=100.0)
+    assert done.returncode == 3, done.stderr
+    assert done.stderr.count("\n") == 1
+    folder = tmp_path / "kept" / "run"
+    meta = yaml.safe_load((folder / "run.yaml").read_text())
+    assert meta["exit"].startswith("failed: ")
+    assert set(meta["sha256"]) == {file.name for file in folder.iterdir()} - {"run.yaml"}
+    with h5py.File(folder / "raw.h5", "r") as file:
+        assert file["counts"][:].min() >= 0
+        assert len(file["counts"]) == file["block_samples"][:].sum() > 0
