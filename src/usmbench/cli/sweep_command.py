@@ -20,6 +20,7 @@ from usmbench.runs.columns import RUN_FILE
 from usmbench.runs.meta import read_meta
 from usmbench.runs.output_files import cannot_write
 from usmbench.runs.output_paths import check_outputs
+from usmbench.runs.run_lock import check_free
 from usmbench.settings.bench import BenchSettings
 from usmbench.settings.bench_file import parse_bench
 from usmbench.settings.plan import Plan
@@ -154,6 +155,7 @@ def _resume(args: argparse.Namespace) -> int:
     meta = read_meta(folder)
     if meta.get("exit") == "completed":
         raise InputError("the run is complete, there is nothing to resume", file=folder)
+    check_free(folder)
     plan = parse_plan(_part(folder, meta, "plan"))
     if args.bench is not None:
         check_same_bench(folder, meta, args.bench, settings_of(args.bench))

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Final
 
-from usmbench.errors import BenchError
+from usmbench.errors import UsmbenchError
 from usmbench.runs.columns import (
     PAIR_COLUMNS_WRITTEN,
     PAIRS_FILE,
@@ -14,6 +14,7 @@ from usmbench.runs.columns import (
 )
 from usmbench.runs.files import AppendedFile
 from usmbench.runs.raw import RawWriter
+from usmbench.runs.run_lock import lock
 
 
 class DataFiles:
@@ -30,6 +31,8 @@ class DataFiles:
 
     Raises
     ------
+    usmbench.errors.InputError
+        Another program writes the run; nothing has been changed.
     usmbench.errors.BenchError
         A file cannot be opened or written.
     """
@@ -37,14 +40,16 @@ class DataFiles:
     def __init__(self, folder: Path, *, temperature: bool, raw: bool):
         self.closed: Final[list[str]] = []
         """Names of the files that were closed, with everything in them that they were given."""
+        self.temperature: Final = temperature
         self.raw: RawWriter | None = None
         self.windows: Final = AppendedFile(folder / WINDOWS_FILE)
         self.pairs: Final = AppendedFile(folder / PAIRS_FILE)
         try:
+            lock(self.windows.descriptor, folder)
             self._begin_rows(WINDOW_COLUMNS_T if temperature else WINDOW_COLUMNS)
             if raw:
                 self.raw = RawWriter(folder / RAW_FILE)
-        except BenchError:
+        except UsmbenchError:
             self.close()
             raise
 

@@ -126,6 +126,11 @@ class AppendedFile:
         """Bytes in the file, all of them whole rows."""
         return self._size
 
+    @property
+    def descriptor(self) -> int:
+        """The open file."""
+        return self._descriptor
+
     def append(self, rows: bytes) -> None:
         """Append whole rows; what is appended survives the death of this process.
 

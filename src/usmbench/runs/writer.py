@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Self
 
-from usmbench.errors import BenchError, InputError
+from usmbench.errors import BenchError, InputError, UsmbenchError
 from usmbench.instruments.samples import SampleBlock
 from usmbench.runs.columns import (
     PAIR_COLUMNS_WRITTEN,
@@ -41,20 +41,17 @@ class RunWriter:
         The run folder, which exists.
     meta
         What run.yaml says.
-    temperature
-        Whether windows.csv has the temperature column.
-    raw
-        Whether raw.h5 is kept.
+    files
+        Its open data files.
     """
 
-    def __init__(self, folder: Path, meta: dict[str, Any], *, temperature: bool, raw: bool):
+    def __init__(self, folder: Path, meta: dict[str, Any], files: DataFiles):
         self.folder = folder
         self.stopped_at = StopPoint()
         self._meta = meta
-        self._temperature = temperature
         self._failure: BenchError | None = None
         self._closed = False
-        self._files = DataFiles(folder, temperature=temperature, raw=raw)
+        self._files = files
         self._disk = DiskSync(self._files.sync, folder)
         self._synced = time.monotonic()
 
@@ -108,7 +105,7 @@ class RunWriter:
     def _begin(cls, folder: Path, meta: dict[str, Any], *, temperature: bool, raw: bool) -> Self:
         """Write run.yaml and the head of every file."""
         begin_meta(folder, meta)
-        writer = cls(folder, meta, temperature=temperature, raw=raw)
+        writer = cls(folder, meta, DataFiles(folder, temperature=temperature, raw=raw))
         sync_folder(folder)
         sync_folder(folder.parent)
         return writer
@@ -130,27 +127,35 @@ class RunWriter:
         Raises
         ------
         usmbench.errors.InputError
-            No such run, one that is complete, or one whose columns are not this program's.
+            No such run, one that is complete, one that another program writes, or one whose columns
+            are not this program's.
         usmbench.errors.BenchError
             The folder cannot be written.
         """
         folder = Path(folder)
-        meta = resumed_meta(folder)
+        resumed_meta(folder)
         columns = columns_of(folder / WINDOWS_FILE, (WINDOW_COLUMNS, WINDOW_COLUMNS_T))
         columns_of(folder / PAIRS_FILE, (PAIR_COLUMNS_WRITTEN,))
-        try:
-            forget_stop_request(folder)
-            begin_meta(folder, meta)
-        except OSError as error:
-            raise disk_error(folder / RUN_FILE, error) from error
-        writer = cls(
-            folder,
-            meta,
-            temperature=TEMPERATURE_COLUMN in columns,
-            raw=(folder / RAW_FILE).exists(),
+        files = DataFiles(
+            folder, temperature=TEMPERATURE_COLUMN in columns, raw=(folder / RAW_FILE).exists()
         )
-        writer.stopped_at = stop_point(folder)
+        try:
+            # Read again, since another program may have ended the run until it was locked.
+            writer = cls(folder, resumed_meta(folder), files)
+            writer._take_up()
+        except UsmbenchError:
+            files.close()
+            raise
         return writer
+
+    def _take_up(self) -> None:
+        """Find where the run stopped, and say in run.yaml that it goes on."""
+        self.stopped_at = stop_point(self.folder)
+        try:
+            forget_stop_request(self.folder)
+            begin_meta(self.folder, self._meta)
+        except OSError as error:
+            raise disk_error(self.folder / RUN_FILE, error) from error
 
     def resumes_at_s(self, least_s: float) -> float:
         """Return the time at which the rows of a run that was taken up go on.
@@ -175,7 +180,7 @@ class RunWriter:
         usmbench.errors.BenchError
             The row could not be written, or the disk has not taken those before it.
         """
-        self._append(self._files.windows, window_text(row, temperature=self._temperature))
+        self._append(self._files.windows, window_text(row, temperature=self._files.temperature))
         if time.monotonic() - self._synced >= _SYNC_PERIOD_S:
             self._force()
 

@@ -18,6 +18,7 @@ from usmbench.cli import sweep_command
 from usmbench.cli.bench_session import Bench
 from usmbench.cli.main import main
 from usmbench.instruments.generator import SignalGenerator
+from usmbench.runs.writer import RunWriter
 from usmbench.settings.bench import BenchSettings
 
 PLAN = {
@@ -273,6 +274,25 @@ def test_a_run_is_taken_up_at_another_port_and_other_limits(
     Path("other.yaml").write_text(yaml.safe_dump(other))
     assert main(["sweep", "--resume", "out", "--bench", "other.yaml"]) == 0
     assert yaml.safe_load((tmp_path / "out" / "run.yaml").read_text())["exit"] == "completed"
+
+
+def test_a_run_that_another_program_writes_is_refused_before_the_bench_is_opened(
+    opened: Opened, plan: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("fcntl")
+    folder = tmp_path / "out"
+    opened.interrupt_at_block = 40
+    assert main(["sweep", str(plan), "--bench", "simulated", "--out", str(folder)]) == 130
+    capsys.readouterr()
+    writer = RunWriter.resume(folder)
+    assert main(["sweep", "--resume", str(folder)]) == 2
+    output = capsys.readouterr()
+    assert (output.out, output.err.count("\n")) == ("", 1)
+    assert f"{folder}: another program writes this run" in output.err
+    assert len(opened.generators) == 1
+    writer.close("interrupted")
+    opened.interrupt_at_block = 0
+    assert main(["sweep", "--resume", str(folder)]) == 0
 
 
 def on_a_small_disk(tmp_path: Path) -> list[str]:

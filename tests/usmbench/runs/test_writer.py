@@ -177,6 +177,7 @@ def test_resuming_goes_on_after_the_last_whole_row(
     folder = tmp_path / "run"
     writer = create(folder, meta)
     fill(writer, 0, 2)
+    writer.close("interrupted")
     with (folder / "windows.csv").open("ab") as file:
         file.write(b"0.21,10,0.2")
     with (folder / "pairs.csv").open("ab") as file:
