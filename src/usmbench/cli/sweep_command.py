@@ -21,6 +21,7 @@ from usmbench.runs.meta import read_meta
 from usmbench.runs.output_files import cannot_write
 from usmbench.runs.output_paths import check_outputs
 from usmbench.runs.run_lock import check_free
+from usmbench.runs.stop_point import stop_point
 from usmbench.settings.bench import BenchSettings
 from usmbench.settings.bench_file import parse_bench
 from usmbench.settings.plan import Plan
@@ -162,6 +163,7 @@ def _resume(args: argparse.Namespace) -> int:
     bench: str | BenchSettings = args.bench or parse_bench(_part(folder, meta, "bench"))
     if isinstance(bench, BenchSettings) and bench.name == SIMULATED:
         bench = SIMULATED
+    stop_point(folder)
     taken_up = meta.get("resumed")
     later = 1 + (len(taken_up) if isinstance(taken_up, list) else 0)
     # The same noise twice in a run would look like a cause.

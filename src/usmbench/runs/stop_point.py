@@ -1,13 +1,14 @@
 """Where an interrupted run stopped, from the ends of its files."""
 
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 
 from usmbench.errors import InputError
 from usmbench.runs.columns import PAIRS_FILE, WINDOWS_FILE
 
-# Far more than the longest row.
-_TAIL_BYTES = 4096
+# Far more than the longest head.
+_HEAD_BYTES = 4096
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +50,7 @@ def columns_of(path: Path, allowed: tuple[tuple[str, ...], ...]) -> tuple[str, .
     """
     try:
         with path.open("rb") as file:
-            head = file.readline(_TAIL_BYTES)
+            head = file.readline(_HEAD_BYTES)
     except FileNotFoundError:
         head = b""
     except OSError as error:
@@ -73,35 +74,52 @@ def stop_point(folder: Path) -> StopPoint:
     Parameters
     ----------
     folder
-        The run folder, its files ending in whole rows.
+        The run folder; nothing in it is changed.
 
     Raises
     ------
     usmbench.errors.InputError
-        A last row that is not this program's.
+        A last row that is not this program's, or windows that end before the pairs made from them.
     """
-    window = _last_row(folder / WINDOWS_FILE)
-    pair = _last_row(folder / PAIRS_FILE)
-    return StopPoint(
+    window = _last_row(folder / WINDOWS_FILE, ("t_s", "sweep", "angle_rad"))
+    pair = _last_row(folder / PAIRS_FILE, ("t_s", "dwell"))
+    stopped = StopPoint(
         last_dwell=int(pair.get("dwell", -1)),
         t_s=window.get("t_s", 0.0),
         sweep=int(window.get("sweep", -1)),
         angle_rad=window.get("angle_rad", 0.0),
     )
-
-
-def _last_row(path: Path) -> dict[str, float]:
-    """Return the last row by column name, empty where there is none."""
-    try:
-        with path.open("rb") as file:
-            names = file.readline(_TAIL_BYTES).decode().strip().split(",")
-            start = file.tell()
-            file.seek(max(start, file.seek(0, 2) - _TAIL_BYTES))
-            rows = file.read().decode().splitlines()
-        if not rows:
-            return {}
-        return dict(zip(names, map(float, rows[-1].split(",")), strict=True))
-    except (OSError, ValueError) as error:
+    if pair.get("t_s", 0.0) > stopped.t_s:
         raise InputError(
-            "the last row is not one that a sweep wrote; remove it and resume again", file=path
-        ) from error
+            f"ends at {stopped.t_s:g} s, {PAIRS_FILE} at {pair['t_s']:g} s: windows are missing; "
+            "put the file back from a copy, or remove the pairs that are later than its end, and "
+            "resume again",
+            file=folder / WINDOWS_FILE,
+        )
+    return stopped
+
+
+def _last_row(path: Path, needed: tuple[str, ...]) -> dict[str, float]:
+    """Return the last whole row by column name, empty where there is none."""
+    try:
+        content = path.read_bytes()
+    except FileNotFoundError:
+        return {}
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", file=path) from error
+    head, _, rows = content[: content.rfind(b"\n") + 1].partition(b"\n")
+    if not rows:
+        return {}
+    try:
+        values = map(float, rows[:-1].rpartition(b"\n")[2].decode().split(","))
+        row = dict(zip(head.decode().strip().split(","), values, strict=True))
+        wrong = not all(isfinite(row[name]) for name in needed)
+    except (KeyError, ValueError):
+        wrong = True
+    if wrong:
+        raise InputError(
+            "the last row is not one that a sweep wrote; remove it and resume again",
+            file=path,
+            line=rows.count(b"\n") + 1,
+        )
+    return row

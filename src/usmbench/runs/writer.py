@@ -127,8 +127,8 @@ class RunWriter:
         Raises
         ------
         usmbench.errors.InputError
-            No such run, one that is complete, one that another program writes, or one whose columns
-            are not this program's.
+            No such run, one that is complete, one that another program writes, one whose columns
+            are not this program's, or whose last rows are damaged.
         usmbench.errors.BenchError
             The folder cannot be written.
         """
@@ -136,11 +136,12 @@ class RunWriter:
         resumed_meta(folder)
         columns = columns_of(folder / WINDOWS_FILE, (WINDOW_COLUMNS, WINDOW_COLUMNS_T))
         columns_of(folder / PAIRS_FILE, (PAIR_COLUMNS_WRITTEN,))
+        stop_point(folder)
         files = DataFiles(
             folder, temperature=TEMPERATURE_COLUMN in columns, raw=(folder / RAW_FILE).exists()
         )
         try:
-            # Read again, since another program may have ended the run until it was locked.
+            # All of it again: until the run was locked another program may have gone on with it.
             writer = cls(folder, resumed_meta(folder), files)
             writer._take_up()
         except UsmbenchError:

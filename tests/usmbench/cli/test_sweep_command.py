@@ -295,6 +295,26 @@ def test_a_run_that_another_program_writes_is_refused_before_the_bench_is_opened
     assert main(["sweep", "--resume", str(folder)]) == 0
 
 
+@pytest.mark.parametrize("damage", ["nan", "lost"])
+def test_a_damaged_run_is_refused_before_the_bench_is_opened(
+    opened: Opened, plan: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], damage: str
+) -> None:
+    folder = tmp_path / "out"
+    opened.interrupt_at_block = 40
+    assert main(["sweep", str(plan), "--bench", "simulated", "--out", str(folder)]) == 130
+    capsys.readouterr()
+    windows = folder / "windows.csv"
+    if damage == "nan":
+        windows.write_text(windows.read_text() + ",".join(["nan"] * 11) + "\n")
+    else:
+        windows.unlink()
+    assert main(["sweep", "--resume", str(folder)]) == 2
+    output = capsys.readouterr()
+    assert (output.out, output.err.count("\n")) == ("", 1)
+    assert f"usmbench: {windows}" in output.err
+    assert len(opened.generators) == 1
+
+
 def on_a_small_disk(tmp_path: Path) -> list[str]:
     """Return the beginning of a command that runs where `disk` has 800 kB, and keeps its files."""
     script = (

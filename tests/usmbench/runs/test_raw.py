@@ -28,7 +28,7 @@ UNTIL_FULL = textwrap.dedent(
     from usmbench.errors import BenchError
     from usmbench.instruments.samples import SampleBlock
     from usmbench.runs.writer import RunWriter
-    from usmbench.sweep.rows import PairRow
+    from usmbench.sweep.rows import PairRow, WindowRow
     folder, forced_every, freed = Path(sys.argv[1]), int(sys.argv[2]), sys.argv[3] == "freed"
     writer = RunWriter.create(folder, {"motor": "m", "encoder": {}}, temperature=False, raw=True)
     resource.setrlimit(resource.RLIMIT_FSIZE, (600_000, resource.RLIM_INFINITY))
@@ -37,7 +37,9 @@ UNTIL_FULL = textwrap.dedent(
         for k in range(10**6):
             writer.raw(SampleBlock(k * 1000, noise + k, np.full(1000, k)))
             if k % forced_every == forced_every - 1:
-                writer.pair(PairRow(0, 41e3, 0, 1, 0, 5, 1, (k + 1) / 100, k, 1))
+                t_s = (k + 1) / 100
+                writer.window(WindowRow(t_s, 0, 1, 41e3, 0, t_s, 0.01, 0, 1, 1, 1))
+                writer.pair(PairRow(0, 41e3, 0, 1, 0, 5, 1, t_s, k, 1))
     except BenchError as error:
         print(error)
     if freed:
