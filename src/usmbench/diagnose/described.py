@@ -16,6 +16,7 @@ from usmbench.diagnose.fitting.wave_sizes import wave_sizes
 from usmbench.diagnose.held import Held
 from usmbench.diagnose.naming.began_warm import warm_warnings
 from usmbench.diagnose.naming.beside_verdict import said_beside
+from usmbench.diagnose.naming.chance import chancy_of
 from usmbench.diagnose.naming.detectable import smallest_sizes
 from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.naming.ranking import Ranked, alternatives
@@ -23,7 +24,7 @@ from usmbench.diagnose.naming.remainder import LOUD, describe
 from usmbench.diagnose.naming.sporadic import left_unnamed
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.views import residual_views
-from usmbench.diagnose.result import Diagnosis, Trace
+from usmbench.diagnose.result import Diagnosis, Trace, View
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
@@ -59,8 +60,7 @@ def described(
     effects = [applied.to_mapping() for applied in (*fit.effects, *singles)]
     views = residual_views(problem, found.left_rad_s, found.spread)
     says = held.verdict
-    shown = max(view.excess_after for view in views)
-    if says == "explained" and min(shown, held.left_over) > LOUD:
+    if says == "explained" and held.left_over > LOUD and (_shown(views) or _scatters(found)):
         says = "partly_explained"
     silent = says in ("no_discrepancy", "explained")
     return Diagnosis(
@@ -82,6 +82,16 @@ def described(
         n_windows=problem.n_rows,
         warnings=(*warnings, *_warnings(held)),
     )
+
+
+def _shown(views: Sequence[View]) -> bool:
+    """Whether a view shows plainly more than the noise leaves."""
+    return max(view.excess_after for view in views) > LOUD
+
+
+def _scatters(found: Found) -> bool:
+    """Whether windows scatter plainly more than in the model's runs, by no chance that is named."""
+    return found.spread > LOUD and not chancy_of(found.fit.effects)
 
 
 def _warnings(held: Held) -> Iterator[str]:

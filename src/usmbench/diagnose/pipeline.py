@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from usmbench.diagnose.anew.identify_anew import identified_anew
-from usmbench.diagnose.cutting.check_runs import FEWEST_WINDOWS, check_moves
+from usmbench.diagnose.cutting.check_runs import FEWEST_WINDOWS, check_driven, check_moves
 from usmbench.diagnose.cutting.command_times import any_moment_s, at_unknown_moments
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.described import described
@@ -33,8 +33,11 @@ def diagnose(records: Sequence[Record], model: HammersteinModel) -> Diagnosis:
     Raises
     ------
     usmbench.errors.InputError
-        Runs that do not belong to the model or together, or too short to say anything.
+        Runs that do not belong to the model or together, that were not driven, whose speed does not
+        change, or that are too short to say anything.
     """
+    for record in records:
+        check_driven(record)
     records = [part for record in records for part in cold_starts(record, FEWEST_WINDOWS)]
     stretches, warnings = cut_beside_own(records, model)
     for run, record in enumerate(records):

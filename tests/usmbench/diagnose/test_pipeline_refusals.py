@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from known_motor import identified, measured
+from known_motor import driven, identified, measured
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel
@@ -119,6 +119,27 @@ def test_a_run_in_which_nothing_moves_is_refused(model: HammersteinModel) -> Non
     still.speed_rad_s[100] = 0.3  # a stray count
     with pytest.raises(InputError, match="the speed is 0 throughout where the model turns"):
         diagnose([still], model)
-    still.speed_rad_s[100] = 0.0
+    still.speed_rad_s[::40] = 0.3  # a channel that is dead
+    with pytest.raises(InputError, match="the speed is 0 throughout where the model turns"):
+        diagnose([still], model)
+    still.speed_rad_s[:] = 0.0
     at_rest = replace(still, phase_deg=np.zeros(still.t_s.size))
     assert diagnose([at_rest], model).verdict == "no_discrepancy"
+
+
+def test_a_speed_that_is_the_same_whatever_the_phase_is_refused(model: HammersteinModel) -> None:
+    frozen = replace(measured(7), speed_rad_s=np.full(measured(7).t_s.size, 5.0))
+    with pytest.raises(InputError, match="is 5 rad/s throughout whatever the phase"):
+        diagnose([frozen], model)
+    held = driven(np.full(600, 60.0), 7)
+    same = replace(held, speed_rad_s=np.full(600, float(np.mean(held.speed_rad_s))))
+    assert diagnose([same], model).n_windows > 0
+
+
+def test_a_run_that_was_not_driven_is_refused(model: HammersteinModel) -> None:
+    run = measured(7)
+    off = replace(run, extra={"drive_on": np.zeros(run.t_s.size)})
+    with pytest.raises(InputError, match="the drive was off in every window"):
+        diagnose([off], model)
+    run = replace(run, extra={"drive_on": np.r_[np.zeros(100), np.ones(run.t_s.size - 100)]})
+    diagnose([run], model)

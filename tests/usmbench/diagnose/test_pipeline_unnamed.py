@@ -157,3 +157,18 @@ def test_a_hum_is_no_noise_of_a_model_that_states_its_noise(model: HammersteinMo
     humming = replace(healthy, speed_rad_s=healthy.speed_rad_s + hum)
     found = diagnose([humming], by_hand)
     assert (found.verdict, found.causes) == ("unexplained", ())
+
+
+@pytest.mark.parametrize(("scatter", "verdict"), [(0.0, "explained"), (8.0, "partly_explained")])
+def test_windows_that_scatter_beside_a_name_are_told(
+    model: HammersteinModel, scatter: float, verdict: str
+) -> None:
+    record = measured(300, applied("speed_scale", "", scale_error=0.3))
+    noise = np.random.default_rng(1).standard_normal(record.t_s.size)
+    wide = record.speed_rad_s + scatter * NOISE_RAD_S * noise
+    found = diagnose([replace(record, speed_rad_s=wide)], model)
+    assert [cause.name for cause in found.causes] == ["speed_scale"]
+    assert found.verdict == verdict
+    assert (found.remainder is not None) == bool(scatter)
+    if found.remainder is not None:
+        assert "times as widely as in the model's runs" in found.remainder.says

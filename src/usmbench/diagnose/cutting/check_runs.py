@@ -13,6 +13,7 @@ from usmbench.runs.record import Record
 
 FEWEST_WINDOWS = 60
 _MOVES, _SELDOM = 0.01, 0.01  # of the model's highest speed; of the rows
+_STANDS = 0.02  # of the model's root mean square: a count now and then, or a channel that is dead
 _TURNS_RAD_S = 1.0  # an encoder of 500 lines then counts three times in a window of 10 ms
 
 
@@ -38,6 +39,26 @@ def check_run(record: Record, model: HammersteinModel) -> None:
             f"{FEWEST_WINDOWS}"
         )
     check_windows(record.name, float(np.median(record.window_s)), model.linear)
+
+
+def check_driven(record: Record) -> None:
+    """Refuse a run whose motor was not driven.
+
+    Parameters
+    ----------
+    record
+        The run.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        It says so of every window.
+    """
+    if record.driven is not None and not np.any(record.driven):
+        raise InputError(
+            f"{record.name}: its drive_on says that the drive was off in every window; diagnose a "
+            "run that was driven"
+        )
 
 
 def check_outside(record: Record, outside: NDArray[np.bool_], warnings: list[str]) -> None:
@@ -72,7 +93,7 @@ def check_outside(record: Record, outside: NDArray[np.bool_], warnings: list[str
 
 
 def check_moves(record: Record, simulated_rad_s: Sequence[NDArray[np.float64]]) -> None:
-    """Refuse a run in which nothing moves though the motor should turn.
+    """Refuse a run in which nothing moves, or nothing changes, though the motor should turn.
 
     Parameters
     ----------
@@ -84,11 +105,22 @@ def check_moves(record: Record, simulated_rad_s: Sequence[NDArray[np.float64]]) 
     Raises
     ------
     usmbench.errors.InputError
-        As good as every speed is 0.
+        As good as every speed is 0, or all are the same.
     """
-    fastest_rad_s = max((float(np.max(np.abs(s))) for s in simulated_rad_s), default=0.0)
-    moves = float(np.mean(np.abs(record.speed_rad_s) > _MOVES * fastest_rad_s))
-    if fastest_rad_s > _TURNS_RAD_S and moves < _SELDOM:
+    simulated = np.concatenate([*simulated_rad_s, np.empty(0)])
+    fastest_rad_s = float(np.max(np.abs(simulated), initial=0.0))
+    if fastest_rad_s <= _TURNS_RAD_S:
+        return
+    measured = record.speed_rad_s
+    least_rad_s, changes_rad_s = _MOVES * fastest_rad_s, float(np.std(simulated))
+    moves = float(np.mean(np.abs(measured) > least_rad_s))
+    stands = changes_rad_s > least_rad_s and float(np.std(measured)) < _STANDS * changes_rad_s
+    if stands and np.abs(np.mean(measured)) > least_rad_s:
+        raise InputError(
+            f"{record.name}: the speed is {np.mean(measured):.3g} rad/s throughout whatever the "
+            "phase; is the counter still read?"
+        )
+    if stands or moves < _SELDOM:
         raise InputError(
             f"{record.name}: the speed is 0 throughout where the model turns; is the encoder "
             "connected, and was the drive on?"
