@@ -16,6 +16,7 @@ from usmbench.model.simulate import Simulation, simulate
 from usmbench.runs.check_record import changed_since_closed, check_numbers
 from usmbench.runs.pauses import cold_starts
 from usmbench.runs.record import Column, Record
+from usmbench.runs.shaft_angle import angle_goes_with_speed, angle_warnings
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +68,7 @@ def replay_record(record: Record, model: HammersteinModel) -> Replay:
     """
     check_numbers(record)
     warnings = [*changed_since_closed([record]), *_check_windows(record, model)]
+    warnings += angle_warnings(record)
     parts = [
         simulation for part in cold_starts(record, 1) for simulation in _simulated(part, model)
     ]
@@ -117,9 +119,9 @@ def middle_angle_rad(record: Record) -> Column:
     Parameters
     ----------
     record
-        The run; without a column `angle_rad` the speeds are added up.
+        The run; without a column `angle_rad` that goes with them the speeds are added up.
     """
-    if record.angle_rad is None:
+    if record.angle_rad is None or not angle_goes_with_speed(record):
         return middle_rad(record.speed_rad_s, record.window_s)
     return record.angle_rad - 0.5 * record.speed_rad_s * record.window_s
 

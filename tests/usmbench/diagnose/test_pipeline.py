@@ -201,3 +201,10 @@ def test_a_healthy_run_of_hardly_any_phases_is_judged(
 ) -> None:
     record = driven(np.tile(phases_deg, 1200 // len(phases_deg)), 5)
     assert diagnose([record], model).causes == ()
+
+
+def test_an_angle_that_is_none_is_not_believed(model: HammersteinModel) -> None:
+    record = measured(7, applied("encoder_eccentricity", "", cosine=0.03, sine=0.01))
+    found = diagnose([replace(record, angle_rad=np.zeros(record.t_s.size))], model)
+    assert [cause.name for cause in found.causes] == ["encoder_eccentricity"]
+    assert any("angle_rad does not turn as speed_rad_s says" in w for w in found.warnings)

@@ -26,6 +26,7 @@ from usmbench.model.resonance_slope import point_slopes
 from usmbench.runs.check_record import changed_since_closed, check_together
 from usmbench.runs.dwells import dwell_begin
 from usmbench.runs.record import Record
+from usmbench.runs.shaft_angle import angle_warnings
 from usmbench.runs.time_step import breaks
 
 Array = NDArray[np.float64]
@@ -73,6 +74,7 @@ def cut_runs(
     jumps = [breaks(record.t_s, float(np.median(record.window_s))) for record in records]
     pieces = _pieces(sizes, jumps, min(1.0, _MOST_WINDOWS / sum(sizes)))
     for run, record in enumerate(records):
+        warnings += angle_warnings(record)
         angle_rad = middle_angle_rad(record)
         weights, outside = point_weights(
             model.points, record.t_s.size, record.frequency_hz, record.torque_nm
