@@ -56,7 +56,7 @@ def _at_dead_time(
     stretches: Sequence[Stretch], na: int, nb: int, dead_time: int
 ) -> tuple[float, Dynamics]:
     """Mean squared one-step error and dynamics at one dead time."""
-    first = max(na, nb + dead_time)
+    first = _first_row(na, nb, dead_time)
     usable = [s for s in stretches if s.speed_rad_s.size > first + na + nb]
     beyond, n = [np.empty((0, na + 1))], 0
     for point in sorted({s.point for s in usable}):
@@ -73,9 +73,14 @@ def _at_dead_time(
     return sse / n, Dynamics(_stabilised(a), np.zeros(nb), dead_time)
 
 
+def _first_row(na: int, nb: int, dead_time: int) -> int:
+    """First row with a whole past; in the very first the motor may still come from elsewhere."""
+    return max(1, na, nb + dead_time)
+
+
 def _lagged(stretch: Stretch, na: int, nb: int, dead_time: int) -> Array:
     """Regressors with a whole past: lags of the basis, of the speed, and the speed itself."""
-    first, n = max(na, nb + dead_time), stretch.speed_rad_s.size
+    first, n = _first_row(na, nb, dead_time), stretch.speed_rad_s.size
     late = range(dead_time, dead_time + nb + 1)
     return np.column_stack(
         [stretch.basis[first - k : n - k] for k in late]
@@ -89,4 +94,5 @@ def _stabilised(a: Array) -> Array:
     found = poles(a)
     size = np.abs(found)
     drawn = np.where(size > _STABLE, found * _STABLE / np.maximum(size, _STABLE), found)
-    return np.asarray(np.poly(drawn).real[1:], dtype=np.float64)
+    # Of no poles numpy makes a plain number.
+    return np.atleast_1d(np.poly(drawn).real)[1:]

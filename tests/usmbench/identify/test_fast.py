@@ -142,6 +142,18 @@ def test_free_orders_reach_the_same_fit(measure: Measure) -> None:
     assert free.scores[0].sse == pytest.approx(lag.scores[0].sse, rel=0.02)
 
 
+@pytest.mark.parametrize("nb", [None, 0, 1])
+def test_a_motor_without_memory_needs_no_past_speeds(nb: int | None) -> None:
+    record, settled = staircase(6.0, 0)
+    speed_rad_s = settled + np.random.default_rng(3).normal(0.0, 0.005, settled.size)
+    speed_rad_s[0] = 0.0  # it starts from rest
+    found = identify_fast([replace(record, speed_rad_s=speed_rad_s)], FastOptions(na=0, nb=nb))
+    linear, curve = found.model.linear, found.model.points[0].curve
+    assert (linear.a.size, linear.dead_time_windows) == (0, 0)
+    assert linear.b[0] == pytest.approx(1.0, abs=0.01)
+    assert np.max(np.abs(curve.speed_rad_s(record.phase_deg) - settled)) < 0.03
+
+
 def test_whole_windows_of_dead_time_are_found(measure: Measure) -> None:
     record = measure()
     late = replace(
