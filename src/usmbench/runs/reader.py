@@ -22,6 +22,7 @@ from usmbench.runs.record import Column, Pairs, Record
 from usmbench.runs.time_step import UNKNOWN_S, usual_step_s
 
 _CLOCK_S = 1e8  # three years: no run has lasted so long
+_HALF_TURN_DEG = 180.0
 _NEEDED = ("phase_deg", "speed_rad_s")
 _OPTIONAL = ("frequency_hz", "torque_nm", "angle_rad", "sweep", "settled")
 _KNOWN = ("t_s", *_NEEDED, "window_s", *_OPTIONAL, TEMPERATURE_COLUMN)
@@ -52,7 +53,7 @@ def read_run(path: Path | str) -> Record:
         The run. Where the file has none, `window_s` comes from run.yaml's encoder, else from the
         usual step of `t_s`, else it is 0.01 s; `t_s` of a bare CSV adds up the windows, and is
         counted from the first one where it is the time of a clock; the pairs are derived from the
-        windows.
+        windows. Phases counted from 0 to 360° come as -180 to 180°.
 
     Raises
     ------
@@ -107,7 +108,7 @@ def _as_column(table: Table, name: str) -> Column | None:
 
 
 def _checked(table: Table, names: Iterable[str]) -> dict[str, Column]:
-    """Return those of the columns that the table has, having checked their numbers."""
+    """Return those of the columns that the table has, their numbers checked, phases wrapped."""
     columns: dict[str, Column] = {}
     for name in names:
         column = _as_column(table, name)
@@ -123,8 +124,14 @@ def _checked(table: Table, names: Iterable[str]) -> dict[str, Column]:
                 file=table.path,
                 line=table.line_of(int(wrong[0])),
             )
-        columns[name] = column
+        columns[name] = _wrapped(column) if name == "phase_deg" else column
     return columns
+
+
+def _wrapped(phase_deg: Column) -> Column:
+    """Return the same phases as all else counts them, from -180° to 180°."""
+    beyond = np.abs(phase_deg) > _HALF_TURN_DEG
+    return np.where(beyond, phase_deg - 2.0 * _HALF_TURN_DEG * np.sign(phase_deg), phase_deg)
 
 
 def _rising(table: Table, t_s: Column) -> None:

@@ -19,6 +19,7 @@ SETTINGS = settings(
     max_examples=60,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
+PHASES_DEG = (0.0, 180.0, 180.5, 270.0, 360.0, -180.0, -270.0, -360.0)
 finite = st.floats(-1e6, 1e6)
 
 
@@ -257,6 +258,20 @@ def test_what_is_wrong_is_named_with_its_line(
         read_run(path)
     assert str(caught.value).startswith(f"{path}:{line}: ")
     assert says in str(caught.value)
+
+
+def test_phases_counted_from_0_to_360_are_wrapped(tmp_path: Path) -> None:
+    rows = "".join(f"{k / 100},{phase},0\n" for k, phase in enumerate(PHASES_DEG, start=1))
+    text = f"t_s,phase_deg,speed_rad_s\n{rows}"
+    expected = [0.0, 180.0, -179.5, -90.0, 0.0, -180.0, 90.0, 0.0]
+    folder = run_folder(tmp_path, text)
+    head = "phase_deg,frequency_hz,torque_nm,speed_rad_s,speed_std_rad_s,n_windows,direction,t_s\n"
+    (folder / "pairs.csv").write_text(f"{head}270,41000,0,-9,0.01,50,1,0.5\n")
+    assert read_run(csv_file(tmp_path, text)).phase_deg.tolist() == expected
+    run = read_run(folder)
+    assert run.phase_deg.tolist() == expected
+    assert run.pairs is not None
+    assert run.pairs.phase_deg.tolist() == [-90.0]
 
 
 def test_a_run_folder_needs_its_two_files(tmp_path: Path) -> None:
