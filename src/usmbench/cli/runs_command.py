@@ -50,25 +50,34 @@ def run(args: argparse.Namespace) -> int:
     ------
     usmbench.errors.InputError
         There is no such folder, a condition is none, the list cannot be written, or the data of a
-        run is not what it was.
+        run is not what it was or cannot be checked.
     """
     check_outputs({"--json": args.json})
     found = find_runs(args.folder, [parse_condition(text) for text in args.find])
-    warn(found.unreadable)
+    data, unchecked = _held_to_sums(found.runs if args.check else ())
+    unreadable = [*found.unreadable, *unchecked]
+    warn(unreadable)
     fits = model_fits(args.folder, found.runs)
-    changed = _changed(found.runs) if args.check else {}
     if args.json:
-        rows = [_json(run, fits, changed if args.check else None) for run in found.runs]
+        rows = [_json(run, fits, data if args.check else None) for run in found.runs]
         write_json(args.json, {"runs": rows})
     if args.json != "-":
         print(text_table(_HEADS, [_line(run, args.folder, fits) for run in found.runs]))
         print(_runs(len(found.runs)))
+    changed = [(name, files) for name, files in data.items() if files]
     if changed:
-        name, files = next(iter(changed.items()))
+        name, files = changed[0]
         raise InputError(
             f"{' and '.join(files)} changed after the run was closed, in {len(changed)} of "
             f"{_runs(len(found.runs))}; restore the data from a copy",
             file=name,
+        )
+    if args.check and unreadable:
+        folders = "1 folder" if len(unreadable) == 1 else f"{len(unreadable)} folders"
+        raise InputError(
+            f"{folders} in it could not be checked, see the warnings; mend or move what they name. "
+            "The data of the others is unchanged",
+            file=args.folder,
         )
     if args.check and args.json != "-":
         closed = sum(run.exit_text != "open" for run in found.runs)
@@ -126,10 +135,16 @@ def _tail(name: object) -> tuple[str, ...]:
     return tuple(part for part in PurePosixPath(str(name)).parts if part not in ("/", "..", "."))
 
 
-def _changed(runs: Iterable[RunSummary]) -> dict[Path, list[str]]:
-    """Return the files of each run that are not what they were."""
-    checked = {run.folder: changed_data(run.folder) for run in runs}
-    return {folder: files for folder, files in checked.items() if files}
+def _held_to_sums(runs: Iterable[RunSummary]) -> tuple[dict[Path, list[str]], list[str]]:
+    """Return the files of each run that are not what they were, and why runs cannot be checked."""
+    changed: dict[Path, list[str]] = {}
+    unchecked: list[str] = []
+    for run in runs:
+        try:
+            changed[run.folder] = changed_data(run.folder)
+        except InputError as error:
+            unchecked.append(str(error))
+    return changed, unchecked
 
 
 def points_text(run: RunSummary) -> str:
@@ -169,7 +184,7 @@ def _line(run: RunSummary, folder: Path, fits: dict[Path, float]) -> tuple[str, 
 
 
 def _json(
-    run: RunSummary, fits: dict[Path, float], changed: dict[Path, list[str]] | None
+    run: RunSummary, fits: dict[Path, float], data: dict[Path, list[str]] | None
 ) -> dict[str, Any]:
     row: dict[str, Any] = {
         "folder": str(run.folder),
@@ -181,6 +196,6 @@ def _json(
         "exit": run.exit_text,
         "rmse_free_run_rad_s": fits.get(run.folder),
     }
-    if changed is not None:
-        row["changed"] = changed.get(run.folder, [])
+    if data is not None:
+        row["changed"] = data.get(run.folder)  # null where it cannot be checked
     return row

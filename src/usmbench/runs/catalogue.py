@@ -54,7 +54,7 @@ class Catalogue:
     runs
         Those that fulfil every condition, the oldest first.
     unreadable
-        Folders whose run.yaml cannot be read, one message each.
+        Folders that cannot be searched, or whose run.yaml cannot be read, one message each.
     """
 
     runs: tuple[RunSummary, ...]
@@ -76,8 +76,9 @@ def find_runs(folder: Path, conditions: Sequence[Condition] = ()) -> Catalogue:
     usmbench.errors.InputError
         There is no such folder, or it cannot be read.
     """
-    runs, unreadable = [], []
-    for run_folder in run_folders(folder):
+    runs: list[RunSummary] = []
+    unreadable: list[str] = []
+    for run_folder in _run_folders(folder, unreadable):
         try:
             meta = MetaBlocks(run_folder)
             if all(condition.holds(meta) for condition in conditions):
@@ -103,24 +104,13 @@ def changed_data(folder: Path) -> list[str]:
     Raises
     ------
     usmbench.errors.InputError
-        run.yaml cannot be read, or names a file outside the folder.
+        A file of the run cannot be read, or run.yaml names one outside the folder.
     """
     return changed_files(folder, MetaBlocks(folder).get("sha256"))
 
 
-def run_folders(folder: Path) -> Iterator[Path]:
-    """Yield the run folders in a folder and below it, links left alone.
-
-    Parameters
-    ----------
-    folder
-        Where to look.
-
-    Raises
-    ------
-    usmbench.errors.InputError
-        There is no such folder, or it cannot be read.
-    """
+def _run_folders(folder: Path, unreadable: list[str]) -> Iterator[Path]:
+    """Yield the run folders in a folder and below it, links left alone; tell what is closed."""
     if not folder.is_dir():
         raise InputError("is no folder; name the one that holds the runs", file=folder)
     waiting = [str(folder)]
@@ -134,7 +124,12 @@ def run_folders(folder: Path) -> Iterator[Path]:
             with os.scandir(path) as entries:
                 waiting += [e.path for e in entries if e.is_dir(follow_symlinks=False)]
         except OSError as error:
-            raise InputError(f"cannot be read: {error.strerror}", file=path) from None
+            closed = InputError(
+                f"cannot be searched: {error.strerror}; make it readable", file=path
+            )
+            if Path(path) == folder:
+                raise closed from None
+            unreadable.append(str(closed))
 
 
 def _summary(folder: Path, meta: MetaBlocks) -> RunSummary:

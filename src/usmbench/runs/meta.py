@@ -122,19 +122,24 @@ def changed_files(folder: Path, sums: object) -> list[str]:
     Raises
     ------
     usmbench.errors.InputError
-        The sums are none, or of a file outside the folder.
+        The sums are none, or of a file that lies outside the folder or cannot be read.
     """
     if sums is None:
         return []
     if not isinstance(sums, dict):
-        raise InputError("sha256 must map file names to sums", file=folder / RUN_FILE)
+        message = "sha256 must map file names to sums; mend or remove the entry"
+        raise InputError(message, file=folder / RUN_FILE)
     changed = []
     for name, expected in sums.items():
         path = inside(folder, name)
         try:
             unchanged = sha256_of(path) == expected
-        except OSError:
+        except FileNotFoundError:
             unchanged = False
+        except OSError as error:
+            raise InputError(
+                f"cannot be read: {error.strerror}; make it readable", file=path
+            ) from error
         if not unchanged:
             changed.append(str(name))
     return changed

@@ -87,6 +87,38 @@ def test_check_names_the_run_whose_data_changed(
     assert [run["changed"] for run in listed] == [[], ["windows.csv"], []]
 
 
+@pytest.mark.parametrize(
+    ("written", "why"),
+    [
+        ("format: [", "two/run.yaml"),
+        ("format: usmbench-run/1\nexit: completed\nsha256: 4\n", "sha256 must map file names"),
+    ],
+)
+def test_a_run_that_cannot_be_checked_is_named_and_the_check_does_not_pass(
+    written: str, why: str, runs: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (runs / "two" / "run.yaml").write_text(written)
+    assert main(["runs", str(runs)]) == 0
+    capsys.readouterr()
+    words = ["runs", str(runs), "--check", "--json", str(runs / "list.json")]
+    assert main(words) == 2
+    out, err = capsys.readouterr()
+    assert "unchanged" not in out
+    warning, error = err.splitlines()
+    assert f"warning: {runs}/two/run.yaml" in warning
+    assert why in warning
+    assert f"{runs}: 1 folder in it could not be checked, see the warnings" in error
+    listed = {
+        run["plan"]: run["changed"] for run in json.loads(Path(words[-1]).read_text())["runs"]
+    }
+    assert listed.pop("phase-sweep") == []
+    assert listed in ({}, {None: None})
+    with (runs / "one" / "windows.csv").open("a") as file:
+        file.write("0.02,90,9,41000,0,0.18,0.01,0,1,9,1\n")
+    assert main(words) == 2
+    assert "one: windows.csv changed after the run was closed" in capsys.readouterr().err
+
+
 def test_what_a_terminal_would_obey_is_not_sent_to_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

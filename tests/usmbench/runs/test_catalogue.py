@@ -1,7 +1,11 @@
 """Runs are found wherever they lie, by whatever their run.yaml says."""
 
+import errno
+import io
+import os
 from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -119,6 +123,41 @@ def test_links_are_left_alone(runs: Path) -> None:
 def test_a_folder_that_is_none_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="is no folder"):
         find_runs(tmp_path / "none")
+
+
+def refuse(monkeypatch: pytest.MonkeyPatch, module: ModuleType, name: str, refused: Path) -> None:
+    """Let a function of the system refuse one path, as it does to others than root."""
+    whole = getattr(module, name)
+
+    def asked(path: object, *more: object, **others: object) -> object:
+        if str(path) == str(refused):
+            raise PermissionError(errno.EACCES, "Permission denied", str(path))
+        return whole(path, *more, **others)
+
+    monkeypatch.setattr(module, name, asked)
+
+
+def test_a_folder_that_is_closed_to_us_does_not_hide_the_others(
+    runs: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (runs / "lost+found").mkdir()
+    refuse(monkeypatch, os, "scandir", runs / "lost+found")
+    found = find_runs(runs)
+    assert [run.run_id for run in found.runs] == ["a", "b", "c"]
+    assert found.unreadable == (
+        f"{runs}/lost+found: cannot be searched: Permission denied; make it readable",
+    )
+    with pytest.raises(InputError, match=r"lost\+found: cannot be searched: Permission denied"):
+        find_runs(runs / "lost+found")
+
+
+def test_data_that_cannot_be_read_has_not_changed(
+    make_run: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = make_run()
+    refuse(monkeypatch, io, "open", folder / "windows.csv")
+    with pytest.raises(InputError, match=r"windows.csv: cannot be read: Permission denied"):
+        changed_data(folder)
 
 
 def test_changed_and_missing_data_is_seen(make_run: Callable[..., Path]) -> None:
