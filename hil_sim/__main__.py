@@ -18,9 +18,9 @@ from hil_sim.gpsim_bridge import GpsimBridge
 from hil_sim.plant import MotorPlant, PlantParameters
 from hil_sim.running import RunningTestbed
 from hil_sim.testbed import BoardMachine, FaultablePlant
+from usmbench.cli.output import complain
 from usmbench.errors import BenchError, InputError, UsmbenchError
 from usmbench.one_line_parser import OneLineParser
-from usmbench.report.plain_text import printable
 
 # The pseudo-terminal's thread must get its turn within a byte's time, whatever the others compute.
 _SWITCH_INTERVAL_S: Final = 100e-6
@@ -154,10 +154,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         _run(_parser().parse_args(argv))
     except UsmbenchError as error:
-        print(printable(f"hil_sim: {error}"), file=sys.stderr)
+        complain(f"hil_sim: {error}")
         return error.exit_status
     except OSError as error:
-        print(f"hil_sim: no port or pseudo-terminal can be opened: {error}", file=sys.stderr)
+        complain(f"hil_sim: no port or pseudo-terminal can be opened: {error}")
         return BenchError.exit_status
     return 0
 

@@ -11,7 +11,7 @@ from usmbench.cli.deciding_runs import Judged, check_bench, decide, judge
 from usmbench.cli.each_run import Entry, diagnose_each, each_table
 from usmbench.cli.executors import all_cores, cluster
 from usmbench.cli.json_output import write_json
-from usmbench.cli.output import warn
+from usmbench.cli.output import complain, warn
 from usmbench.cli.runs_folder import RUNS_FOLDER
 from usmbench.diagnose.result import Diagnosis
 from usmbench.errors import InputError
@@ -120,7 +120,7 @@ def _decided(
         ended = "no experiment was driven, since none is proposed"
     else:
         ended = "no further experiment is proposed"
-    print(f"usmbench: {ended}", file=sys.stderr)
+    complain(f"usmbench: {ended}")
 
 
 def _say(args: argparse.Namespace, judged: Judged) -> None:
@@ -189,10 +189,9 @@ def _write(args: argparse.Namespace, judged: Judged, model: HammersteinModel) ->
 def _write_plan(file: Path, found: Diagnosis) -> None:
     """Write the next experiment, or say that there is none."""
     if found.next_experiment is None:
-        print(
+        complain(
             "usmbench: no experiment is proposed: nothing is open, or no plan within the phases, "
-            f"frequencies and torques that the model knows would decide; {file} is not written",
-            file=sys.stderr,
+            f"frequencies and torques that the model knows would decide; {file} is not written"
         )
         return
     plan = yaml.safe_dump(found.next_experiment["plan"], sort_keys=False, width=100)

@@ -10,10 +10,9 @@ from pathlib import Path
 from typing import NoReturn
 
 from usmbench import __version__
-from usmbench.cli.output import drop_output
+from usmbench.cli.output import complain, drop_output
 from usmbench.errors import InputError, UsmbenchError
 from usmbench.one_line_parser import OneLineParser
-from usmbench.report.plain_text import printable
 
 STOPPED_BY_USER = 130
 
@@ -89,11 +88,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _run(words, command)
     except UsmbenchError as error:
         notes = getattr(error, "__notes__", [])
-        print(printable("; ".join([f"usmbench: {error}", *notes])), file=sys.stderr)
+        complain("; ".join([f"usmbench: {error}", *notes]))
         return error.exit_status
     except KeyboardInterrupt as wish:
         # Who stopped it, where that was not Ctrl-C.
-        print(printable(f"usmbench: {str(wish) or 'stopped by the user'}"), file=sys.stderr)
+        complain(f"usmbench: {str(wish) or 'stopped by the user'}")
         return STOPPED_BY_USER
     except BrokenPipeError:
         # The reader of our output has gone (a pager that was quit): nothing left to say.
@@ -102,8 +101,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         drop_output()
         where = error.filename or "standard output"
-        said = f"usmbench: {where}: {error.strerror or error}; look at it"
-        print(printable(said), file=sys.stderr)
+        complain(f"usmbench: {where}: {error.strerror or error}; look at it")
         return InputError.exit_status
 
 

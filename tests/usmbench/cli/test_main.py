@@ -7,7 +7,7 @@ import pytest
 
 from usmbench import __version__
 from usmbench.cli.main import COMMANDS, STOPPED_BY_USER, main
-from usmbench.errors import BenchError
+from usmbench.errors import BenchError, InputError
 
 
 def test_the_version_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
@@ -105,6 +105,34 @@ def test_ctrl_c_is_status_130(
 ) -> None:
     assert run_raising(KeyboardInterrupt(), monkeypatch) == STOPPED_BY_USER
     assert "stopped by the user" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("error", "status"),
+    [
+        (InputError("no such run"), 2),
+        (OSError("no room"), 2),
+        (BenchError("the card is gone"), 3),
+        (KeyboardInterrupt("hung up"), STOPPED_BY_USER),
+    ],
+)
+def test_a_standard_error_that_is_full_does_not_change_the_status(
+    error: BaseException, status: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with open("/dev/full", "w") as full:  # noqa: PTH123 - a device
+        monkeypatch.setattr("sys.stderr", full)
+        assert run_raising(error, monkeypatch) == status
+
+
+@pytest.mark.parametrize(
+    "words", [["usmbench", "identify", "nosuch", "--out", "q"], ["hil_sim", "--defect", "none"]]
+)
+def test_nor_does_what_python_prints_as_it_ends(words: list[str], tmp_path: Path) -> None:
+    with open("/dev/full", "w") as full:  # noqa: PTH123 - a device
+        done = subprocess.run(
+            [sys.executable, "-m", *words], stderr=full, cwd=tmp_path, timeout=60, check=False
+        )
+    assert done.returncode == 2
 
 
 def test_blas_threads_are_set_before_numpy_is_there() -> None:
