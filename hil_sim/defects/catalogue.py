@@ -69,9 +69,6 @@ CATALOGUE: Final[dict[str, type[Defect]]] = {
 """Every mechanism by its name."""
 
 
-_BEYOND = 1e9  # in whatever unit
-
-
 def parse_defect(text: str) -> Defect:
     """Return the defect that a string such as "eccentric_disc=20" describes.
 
@@ -83,7 +80,7 @@ def parse_defect(text: str) -> Defect:
     Raises
     ------
     usmbench.errors.InputError
-        There is no such mechanism, or the size is no number.
+        There is no such mechanism, or it cannot be of that size.
     """
     name, equals, size = text.partition("=")
     if name not in CATALOGUE:
@@ -93,10 +90,10 @@ def parse_defect(text: str) -> Defect:
         value = float(size) if equals else kind.typical
     except ValueError:
         value = math.nan
-    if not abs(value) < _BEYOND:
+    if not kind.least <= value <= kind.most:
         unit = f" in {kind.unit}" if kind.unit else ""
         raise InputError(
-            f"defect {text!r}: {size!r} is no size; give a number{unit} between {-_BEYOND:g} and "
-            f"{_BEYOND:g}, such as {kind.typical:g}"
+            f"defect {text!r}: {size!r} is no size; give a number{unit} between {kind.least:g} and "
+            f"{kind.most:g}, such as {kind.typical:g}"
         )
     return kind(value)

@@ -34,6 +34,7 @@ class Spikes(Defect):
     cause: ClassVar[str] = "count_glitches"
     unit: ClassVar[str] = "1/s"
     typical: ClassVar[float] = 0.05
+    most: ClassVar[float] = 1e5  # as many as a counter samples
 
     @classmethod
     def of_strength(cls, strength: float, rng: np.random.Generator) -> Defect:

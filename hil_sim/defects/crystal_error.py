@@ -14,6 +14,7 @@ class OffCrystal(SignedDefect):
     cause: ClassVar[str] = "crystal_error"
     unit: ClassVar[str] = "ppm"
     typical: ClassVar[float] = 15.0
+    least: ClassVar[float] = -999_999.0  # a frequency is left
 
     def drive_path(self) -> DrivePath:
         """Return the generators on this crystal."""

@@ -12,6 +12,8 @@ from hil_sim.plant import MotorPlant, PlantParameters
 from hil_sim.plant.disc import DiscError
 from hil_sim.plant.rotor import ShaftLoad
 
+_BEYOND = 1e9  # in whatever unit
+
 
 @dataclass(frozen=True)
 class Defect:
@@ -33,12 +35,16 @@ class Defect:
     typical
         Size that changes the speed of a default motor by about the noise of a window (root mean
         square over a sweep of all phases).
+    least, most
+        Sizes that the mechanism can have.
     """
 
     mechanism: ClassVar[str]
     cause: ClassVar[str]
     unit: ClassVar[str]
     typical: ClassVar[float]
+    least: ClassVar[float] = 0.0
+    most: ClassVar[float] = _BEYOND
 
     size: float
 
@@ -90,6 +96,8 @@ class Defect:
 
 class SignedDefect(Defect):
     """A mechanism that may go either way."""
+
+    least: ClassVar[float] = -_BEYOND
 
     @classmethod
     def of_strength(cls, strength: float, rng: np.random.Generator) -> Defect:

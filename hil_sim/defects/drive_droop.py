@@ -15,6 +15,7 @@ class SoftSupply(Defect):
     cause: ClassVar[str] = "amplitude_droop"
     unit: ClassVar[str] = "%"
     typical: ClassVar[float] = 0.2
+    most: ClassVar[float] = 100.0
 
     def drive_path(self) -> DrivePath:
         """Return the supply."""

@@ -22,6 +22,7 @@ class EccentricDisc(Defect):
     cause: ClassVar[str] = "encoder_eccentricity"
     unit: ClassVar[str] = "µm"
     typical: ClassVar[float] = 15.0
+    most: ClassVar[float] = _OPTICAL_RADIUS_UM
 
     def disc_error(self) -> DiscError:
         """Return the angle between shaft and pattern, as the sensor at a fixed place sees it."""

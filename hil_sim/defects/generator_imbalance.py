@@ -14,6 +14,7 @@ class WeakGenerator(Defect):
     cause: ClassVar[str] = "generator_imbalance"
     unit: ClassVar[str] = "%"
     typical: ClassVar[float] = 0.25
+    most: ClassVar[float] = 100.0
 
     def drive_path(self) -> DrivePath:
         """Return the weak generator."""

@@ -20,6 +20,7 @@ class HummingSupply(Defect):
     cause: ClassVar[str] = ""
     unit: ClassVar[str] = "%"
     typical: ClassVar[float] = 0.35
+    most: ClassVar[float] = 100.0
 
     def drive_path(self) -> DrivePath:
         """Return the supply."""

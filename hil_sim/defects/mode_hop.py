@@ -16,6 +16,7 @@ class ModeHop(Defect):
     cause: ClassVar[str] = ""
     unit: ClassVar[str] = "%"
     typical: ClassVar[float] = 0.3
+    most: ClassVar[float] = 100.0
 
     def drive_path(self) -> DrivePath:
         """Return the drive that is left."""

@@ -21,6 +21,7 @@ class MissingPhaseBits(Defect):
     cause: ClassVar[str] = "phase_quantisation"
     unit: ClassVar[str] = "bits"
     typical: ClassVar[float] = 1.0
+    most: ClassVar[float] = float(_REGISTER_BITS)
 
     @classmethod
     def of_strength(cls, strength: float, rng: np.random.Generator) -> Defect:

@@ -74,6 +74,7 @@ class SoftCoupling(Defect):
     cause: ClassVar[str] = "shaft_compliance"
     unit: ClassVar[str] = "%"
     typical: ClassVar[float] = 3.0
+    most: ClassVar[float] = 10_000.0  # beyond 20 000 the rotor's steps are too long
 
     def shaft_load(self) -> ShaftLoad:
         """Return coupling and weight, its moment a share of the default motor's 0.265 g·m²."""

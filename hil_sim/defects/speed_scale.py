@@ -16,6 +16,7 @@ class OtherCodeWheel(SignedDefect):
     cause: ClassVar[str] = "speed_scale"
     unit: ClassVar[str] = "lines"
     typical: ClassVar[float] = 0.6
+    least: ClassVar[float] = -499.0  # of 500
 
     @classmethod
     def of_strength(cls, strength: float, rng: np.random.Generator) -> Defect:
@@ -46,6 +47,7 @@ class WornContact(SignedDefect):
     cause: ClassVar[str] = "speed_scale"
     unit: ClassVar[str] = "%"
     typical: ClassVar[float] = 0.12
+    least: ClassVar[float] = -99.0  # a radius is left
 
     def motor(self, healthy: PlantParameters) -> PlantParameters:
         """Return the motor with the other radius: speeds over it, torques times it."""

@@ -14,6 +14,7 @@ class LossyCeramic(Defect):
     cause: ClassVar[str] = "thermal_drift"
     unit: ClassVar[str] = "W"
     typical: ClassVar[float] = 1.0
+    most: ClassVar[float] = 1000.0  # far beyond any cooling
 
     def motor(self, healthy: PlantParameters) -> PlantParameters:
         """Return the motor with more loss."""

@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from hil_sim.defects import CATALOGUE, Defect, defective_plant, parse_defect
+from hil_sim.defects.defect import SignedDefect
 from hil_sim.defects.paths import WiredPlant
 from hil_sim.plant import PlantParameters
 from hil_sim.signals import Drive
@@ -258,11 +259,26 @@ def test_a_draw_has_its_unit_its_sign_and_a_size_that_grows(kind: type[Defect]) 
     sizes = [abs(kind.of_strength(strength, rng).size) for strength in (0.3, 1.0, 10.0, 30.0)]
     assert sizes == sorted(sizes)
     assert sizes[0] > 0.0
+    assert kind.least <= -sizes[-1] * issubclass(kind, SignedDefect)
+    assert sizes[-1] <= kind.most
     assert kind.mechanism
     assert kind.__doc__
 
 
-@pytest.mark.parametrize("size", ["nan", "inf", "-1e300", "1e9", "much", ""])
+@pytest.mark.parametrize("size", ["nan", "inf", "-1e300", "1e9", "much", "", "-0.1"])
 def test_what_is_no_size_is_refused_with_the_unit(size: str) -> None:
-    with pytest.raises(InputError, match=r"in µm between -1e\+09 and 1e\+09, such as"):
+    with pytest.raises(InputError, match=r"in µm between 0 and 11000, such as"):
         parse_defect(f"eccentric_disc={size}")
+
+
+@pytest.mark.parametrize("text", ["spikes=-1", "missing_phase_bits=-3", "command_queue=-5"])
+def test_a_size_that_the_mechanism_cannot_have_is_refused(text: str) -> None:
+    with pytest.raises(InputError, match=rf"defect '{text}': '-\d' is no size; give a number in"):
+        parse_defect(text)
+
+
+@pytest.mark.parametrize("kind", CATALOGUE.values(), ids=lambda kind: kind.mechanism)
+@pytest.mark.parametrize("end", ["least", "most"])
+def test_a_motor_runs_with_any_size_that_is_taken(kind: type[Defect], end: str) -> None:
+    plant = started(f"{kind.mechanism}={getattr(kind, end)}", phase_deg=90.0)
+    assert np.isfinite(mean_rad_s(plant, 0.1))
