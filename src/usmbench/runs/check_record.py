@@ -1,6 +1,7 @@
 """Runs that no command can take, or not together, refused in one way; or doubted, in one way."""
 
 from collections.abc import Sequence
+from hashlib import sha256
 
 import numpy as np
 
@@ -49,20 +50,31 @@ def check_together(records: Sequence[Record]) -> None:
     Raises
     ------
     usmbench.errors.InputError
-        They name more than one motor, or have one id.
+        They name more than one motor, or two have one id, or the same rows and not an id each.
     """
     motors = {str(r.meta["motor"]): r.name for r in records if r.meta.get("motor") is not None}
     if len(motors) > 1:
         said = "; ".join(f"{name} is of {motor}" for motor, name in motors.items())
         raise InputError(f"these runs do not belong together: {said}; take one motor at a time")
-    seen: dict[str, str] = {}
+    by_id: dict[str, Record] = {}
+    by_rows: dict[bytes, Record] = {}
     for record in records:
-        identity = record.meta.get("id")
-        if identity is not None and str(identity) in seen:
-            raise InputError(
-                f"{record.name}: is the same run as {seen[str(identity)]}; give each run once"
-            )
-        seen[str(identity)] = record.name
+        identity, rows = record.meta.get("id"), _sum_of_rows(record)
+        same = None if identity is None else by_id.get(str(identity))
+        alike = by_rows.get(rows)
+        # Of a bare CSV nothing but its rows tells which run it is.
+        if alike is not None and None in (identity, alike.meta.get("id")):
+            same = alike
+        if same is not None:
+            raise InputError(f"{record.name}: is the same run as {same.name}; give each run once")
+        by_rows[rows] = record
+        if identity is not None:
+            by_id[str(identity)] = record
+
+
+def _sum_of_rows(record: Record) -> bytes:
+    """Return a check sum of what was commanded and measured."""
+    return sha256(np.column_stack([record.phase_deg, record.speed_rad_s]).tobytes()).digest()
 
 
 def changed_since_closed(records: Sequence[Record]) -> list[str]:

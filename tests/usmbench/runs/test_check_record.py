@@ -41,9 +41,20 @@ def test_a_number_beyond_all_measuring_is_refused() -> None:
 
 def test_a_run_that_is_given_twice_is_refused() -> None:
     first, other = (replace(RECORD, name=n, meta={"id": n}) for n in ("a", "b"))
-    check_together([first, other, RECORD, RECORD])
-    with pytest.raises(InputError, match="copy: is the same run as a; give each run once"):
-        check_together([first, other, replace(first, name="copy")])
+    check_together([first, other])
+    for again in (first, replace(first, name="copy", speed_rad_s=np.zeros(5))):
+        with pytest.raises(InputError, match=f"{again.name}: is the same run as a; give each run"):
+            check_together([first, other, again])
+
+
+def test_a_run_without_an_id_is_known_by_its_rows() -> None:
+    """A bare CSV given twice, or beside the run folder that it lies in."""
+    folder = replace(RECORD, name="folder", meta={"id": "a"})
+    turned = replace(RECORD, name="other", speed_rad_s=2.0 * RECORD.speed_rad_s)
+    check_together([RECORD, turned])
+    for pair in ([RECORD, turned, RECORD], [folder, RECORD], [RECORD, folder]):
+        with pytest.raises(InputError, match=f"{pair[-1].name}: is the same run as"):
+            check_together(pair)
 
 
 def test_data_that_changed_after_the_run_was_closed_are_told() -> None:
