@@ -1,6 +1,7 @@
 """Files that a command is asked to write: whole or not at all, with a mend where that fails."""
 
 import errno
+import os
 from pathlib import Path
 
 from usmbench.errors import InputError
@@ -14,6 +15,7 @@ _MENDS = {
     errno.EROFS: "give a file where you may write",
     errno.EACCES: "give a file where you may write",
     errno.EPERM: "give a file where you may write",
+    errno.ELOOP: "it is a link that leads back to itself; name another file",
     errno.ENAMETOOLONG: "give a shorter name",
 }
 
@@ -38,9 +40,28 @@ def write_output(path: Path, content: str | bytes) -> None:
         if path.exists() and not path.is_file():
             path.write_bytes(data)
         else:
-            replace_file(path.resolve(), data)
+            replace_file(real_path(path), data)
     except OSError as error:
         raise cannot_write(path, error) from error
+
+
+def real_path(path: Path) -> Path:
+    """Return where a file to be written lies, links followed.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Raises
+    ------
+    OSError
+        It is a link that leads back to itself.
+    """
+    real = Path(os.path.realpath(path))
+    if real.is_symlink():  # Path.resolve raises RuntimeError there
+        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
+    return real
 
 
 def cannot_write(path: Path, error: OSError) -> InputError:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from usmbench.errors import InputError
 from usmbench.runs.columns import DATA_FILES, RUN_FILE
-from usmbench.runs.output_files import cannot_write
+from usmbench.runs.output_files import cannot_write, real_path
 
 _OF_A_RUN = (RUN_FILE, *DATA_FILES)
 
@@ -31,7 +31,8 @@ def check_outputs(
     usmbench.errors.InputError
         A file is an input, or part of a run, or named twice, or cannot be written.
     """
-    read = [Path(name).resolve() for name in inputs if name is not None]
+    # A link that leads back to itself is for the reader to refuse.
+    read = [Path(os.path.realpath(name)) for name in inputs if name is not None]
     taken: dict[Path, str] = {}
     for argument, name in outputs.items():
         if name is None or str(name) == "-":
@@ -40,7 +41,7 @@ def check_outputs(
         try:
             if _is_device(file):
                 continue
-            real = file.resolve()
+            real = real_path(file)
             _check_harmless(file, real, read)
             _check_writable(real)
         except OSError as error:

@@ -32,6 +32,14 @@ def test_what_cannot_be_written_is_told_with_its_mend(tmp_path: Path, name: str,
         write_output(tmp_path / name, b"")
 
 
+def test_a_link_that_leads_back_to_itself_is_left_alone(tmp_path: Path) -> None:
+    loop = tmp_path / "loop"
+    loop.symlink_to(loop)
+    with pytest.raises(InputError, match=r"loop: cannot be written .*leads back to itself; name"):
+        write_output(loop, "text")
+    assert loop.is_symlink()
+
+
 def test_a_link_stays_a_link_and_a_pipe_a_pipe(tmp_path: Path) -> None:
     link, real = tmp_path / "link", tmp_path / "real"
     link.symlink_to(real)

@@ -8,6 +8,7 @@ import pytest
 
 from usmbench.errors import InputError
 from usmbench.runs.output_paths import check_outputs
+from usmbench.runs.reader import read_run
 
 
 @pytest.mark.parametrize("name", ["run.yaml", "windows.csv", "pairs.csv", "raw.h5"])
@@ -39,14 +40,25 @@ def test_a_file_takes_one_output(unread_run: Path) -> None:
         ("none/x", r"none/x: cannot be written .*; give a file in a folder that exists"),
         ("run", r"run: cannot be written .*; it is a folder; name a file"),
         ("run/windows.csv/x", r"cannot be written .*Not a directory.*"),
+        ("loop", r"loop: cannot be written .*; it is a link that leads back to itself; name ano"),
+        ("loop/x", r"loop/x: cannot be written .*; it is a link that leads back to itself; name"),
         ("x" * 300, r"cannot be written .*; give a shorter name"),
     ],
 )
 def test_what_cannot_be_written_is_told_before_the_work(
     unread_run: Path, name: str, message: str
 ) -> None:
+    Path("loop").symlink_to("loop")
     with pytest.raises(InputError, match=message):
         check_outputs({"--out": name})
+
+
+def test_a_link_that_leads_back_to_itself_is_refused_by_who_reads_it(unread_run: Path) -> None:
+    loop = Path("loop")
+    loop.symlink_to(loop)
+    check_outputs({"--json": "x"}, [loop])
+    with pytest.raises(InputError, match=r"loop: cannot be read: .* links; name a run folder"):
+        read_run(loop)
 
 
 def test_a_folder_that_takes_no_file_is_told(
