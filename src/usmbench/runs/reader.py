@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from usmbench.errors import InputError
+from usmbench.runs.check_record import BEYOND
 from usmbench.runs.columns import (
     DRIVE_COLUMN,
     PAIR_COLUMNS,
@@ -30,11 +31,11 @@ _NUMBERS = (*_KNOWN, DRIVE_COLUMN)
 # What a column may hold, the ends included; 360 for those who count φ from 0.
 _LIMITS = {
     "phase_deg": (-360.0, 360.0),
-    "frequency_hz": (0.0, math.inf),
+    "frequency_hz": (0.0, BEYOND),
     "settled": (0.0, 1.0),
     DRIVE_COLUMN: (0.0, 1.0),
-    "speed_std_rad_s": (0.0, math.inf),
-    "n_windows": (0.0, math.inf),
+    "speed_std_rad_s": (0.0, BEYOND),
+    "n_windows": (0.0, BEYOND),
     "direction": (-1.0, 1.0),
 }
 
@@ -114,7 +115,7 @@ def _checked(table: Table, names: Iterable[str]) -> dict[str, Column]:
         column = _as_column(table, name)
         if column is None:
             continue
-        low, high = _LIMITS.get(name, (-math.inf, math.inf))
+        low, high = _LIMITS.get(name, (-BEYOND, BEYOND))
         wrong = np.flatnonzero(~(np.isfinite(column) & (low <= column) & (column <= high)))
         if len(wrong):
             value = column[wrong[0]]

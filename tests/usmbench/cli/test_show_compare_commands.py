@@ -151,6 +151,9 @@ def test_a_hostile_name_is_only_a_name(here: Path) -> None:
         (["compare", "run", "none"], "none: cannot be read"),
         (["compare", "run", "unsettled"], "unsettled: no dwell of this run settled"),
         (["compare", "run", "high"], "no phase, frequency, torque and direction"),
+        (["show", "wild.csv"], "wild.csv:4: speed_rad_s is 1e+200"),
+        (["compare", "run", "wild.csv", "--json", "-"], "wild.csv:4: speed_rad_s is 1e+200"),
+        (["export", "wild.csv", "wild.mat"], "wild.csv:4: speed_rad_s is 1e+200"),
         (["compare", "run"], "the following arguments are required: RUN"),
     ],
 )
@@ -159,6 +162,7 @@ def test_wrong_usage_is_one_line_and_status_2(
 ) -> None:
     make_run(here / "run")
     make_run(here / "unsettled", settled=False)
+    (here / "wild.csv").write_text("phase_deg,speed_rad_s\n-30,-3\n0,0\n30,1e200\n60,6\n")
     (here / "high").mkdir()
     for name in ("run.yaml", "windows.csv"):
         text = (here / "run" / name).read_text()
