@@ -54,7 +54,7 @@ def run(args: argparse.Namespace) -> int:
     Raises
     ------
     usmbench.errors.InputError
-        The folder holds something that no demo has written.
+        The folder cannot be made, or holds something that no demo has written.
     usmbench.errors.BenchError
         The simulated testbed failed.
     """
@@ -78,11 +78,12 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _make_room(folder: Path) -> None:
-    """Remove what an earlier demo left, and nothing else."""
-    if not folder.exists():
-        return
-    if not folder.is_dir():
-        raise InputError("is no folder; name another with --out", file=folder)
+    """Make the folder, or remove what an earlier demo left in it, and nothing else."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        message = f"cannot be made: {error.strerror}; name another folder with --out"
+        raise InputError(message, file=folder) from error
     ours = {*RUNS, *WRITTEN}
     foreign = sorted(entry.name for entry in folder.iterdir() if entry.name not in ours)
     if foreign:

@@ -98,9 +98,22 @@ def test_a_seed_below_zero_is_refused(tmp_path: Path, capsys: pytest.CaptureFixt
     assert "0 or more" in capsys.readouterr().err
 
 
-def test_the_status_is_that_of_the_step_that_ended_it(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("name", ["file", "file/demo", "loop", "loop/demo"])
+def test_a_folder_that_cannot_be_made_is_one_line(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "file").write_text("")
-    assert main(["demo", "--out", str(tmp_path / "file" / "demo")]) == 2
+    (tmp_path / "loop").symlink_to("loop")
+    assert main(["demo", "--out", str(tmp_path / name)]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith(f"usmbench: {tmp_path / name}: cannot be made: ")
+    assert err.count("\n") == 1
+
+
+def test_the_status_is_that_of_the_step_that_ended_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(demo_command, "PLAN", "no-such-plan")
+    assert main(["demo", "--out", str(tmp_path / "demo")]) == 2
     assert "the demo ends here: `usmbench sweep` returned 2" in capsys.readouterr().err
