@@ -120,6 +120,8 @@ def _free(where: Range) -> Iterator[tuple[str, Document]]:
     highest_hz = 0.5 / (_SHORTEST_DWELL * where.window_s)
     for name, share in (("slow", 0.04), ("fast", 0.4)):
         band = [round(v * share * highest_hz, 6) for v in (0.02, 1.0)]
+        if band[1] * DURATION_S < 1.0:
+            continue  # of windows so long no whole wave fits into the run
         multisine = {**shared, "kind": "multisine", "hold_windows": _SHORTEST_DWELL}
         yield (
             f"a {name} random-phase multisine, up to {band[1]:.3g} Hz",
