@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 # where a plan has a rotor start, time and again.
 _FEWEST = 3
 _TOLD = 2  # healthy runs have one now and then
+_BEYOND = 2.0  # times the highest speed
 _AS_USUAL = 2.0  # times the rate of the identified runs: their plans differ
 
 
@@ -151,7 +152,10 @@ def left_unnamed(problem: Problem, effects: Sequence[Applied], spread: float) ->
     for stretch, rows, residual in zip(problem.stretches, far, left, strict=True):
         off_rad_s = np.abs(residual[rows])
         duration_s = stretch.context.n * stretch.context.window_s
-        if off_rad_s.size >= max(_TOLD, _usual(problem.known.spikes_hz, duration_s)):
+        top_rad_s = float(np.max(np.abs(stretch.simulated_rad_s), initial=0.0))
+        many = off_rad_s.size >= max(_TOLD, _usual(problem.known.spikes_hz, duration_s))
+        # No motor does that, not even once.
+        if many or np.max(off_rad_s, initial=0.0) > _BEYOND * top_rad_s > 0.0:
             found.append(
                 f"{stretch.name}: windows that stand alone are not judged: "
                 f"{off_rad_s.size}, off by up to {np.max(off_rad_s):.3g} rad/s; no cause is named "

@@ -286,3 +286,13 @@ def test_where_speeds_are_whole_counts_one_more_is_no_false_count(counts: int, f
 def test_finer_speeds_are_no_whole_counts() -> None:
     (stretch,), _ = cut_runs([measured(4)], identified(), ())
     assert whole_count_rad_s(stretch) < 1e-5
+
+
+@pytest.mark.parametrize(("off_rad_s", "told"), [(1.0, False), (1000.0, True)])
+def test_one_window_beyond_any_motor_is_told(off_rad_s: float, told: bool) -> None:
+    record = driven(np.repeat(np.random.default_rng(2).uniform(30.0, 88.0, 40), 20), 4)
+    off = np.zeros(record.t_s.size)
+    off[415] = off_rad_s
+    found = diagnose([replace(record, speed_rad_s=record.speed_rad_s + off)], identified())
+    assert found.causes == ()
+    assert len([w for w in found.warnings if "stand alone" in w]) == told
