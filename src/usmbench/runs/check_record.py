@@ -74,7 +74,8 @@ def check_together(records: Sequence[Record]) -> None:
 
 def _sum_of_rows(record: Record) -> bytes:
     """Return a check sum of what was commanded and measured."""
-    return sha256(np.column_stack([record.phase_deg, record.speed_rad_s]).tobytes()).digest()
+    columns = (record.phase_deg, record.speed_rad_s, record.frequency_hz, record.torque_nm)
+    return sha256(np.column_stack([c for c in columns if c is not None]).tobytes()).digest()
 
 
 def changed_since_closed(records: Sequence[Record]) -> list[str]:

@@ -41,6 +41,7 @@ def test_a_generators_own_grid_is_no_news(said_deg: float | None) -> None:
 
 def test_runs_of_generators_that_differ_tell_of_no_grid() -> None:
     phases_deg = np.random.default_rng(3).permutation(np.linspace(-90.0, 90.0, 37))
-    records = [_driven(np.tile(phases_deg, 5), 50, said) for said in (STEP_DEG, 0.1)]
+    said_deg = {50: STEP_DEG, 51: 0.1}
+    records = [_driven(np.tile(phases_deg, 5), seed, said) for seed, said in said_deg.items()]
     model = with_knowledge(identify_fast(records, FastOptions()).model, records)
     assert knowledge_of(model).habits == ()

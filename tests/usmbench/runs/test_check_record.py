@@ -51,7 +51,7 @@ def test_a_run_without_an_id_is_known_by_its_rows() -> None:
     """A bare CSV given twice, or beside the run folder that it lies in."""
     folder = replace(RECORD, name="folder", meta={"id": "a"})
     turned = replace(RECORD, name="other", speed_rad_s=2.0 * RECORD.speed_rad_s)
-    check_together([RECORD, turned])
+    check_together([RECORD, turned, replace(RECORD, name="loaded", torque_nm=np.ones(5))])
     for pair in ([RECORD, turned, RECORD], [folder, RECORD], [RECORD, folder]):
         with pytest.raises(InputError, match=f"{pair[-1].name}: is the same run as"):
             check_together(pair)

@@ -1,5 +1,7 @@
 """Which rows of a run are judged."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -69,7 +71,8 @@ def test_several_long_runs_leave_no_time_out(
     n = 12_000
     phase_deg = np.repeat(np.random.default_rng(6).uniform(-88.0, 88.0, n // 20), 20)
     t_s, speed_rad_s = 0.01 * np.arange(1.0, n + 1.0), model.points[0].curve.speed_rad_s(phase_deg)
-    runs = [Record(f"run {k}", t_s, phase_deg, speed_rad_s, np.full(n, 0.01)) for k in range(8)]
+    record = Record("run", t_s, phase_deg, speed_rad_s, np.full(n, 0.01))
+    runs = [replace(record, meta={"id": k}) for k in range(8)]
     monkeypatch.setattr("usmbench.diagnose.cutting.cut_runs._MOST_WINDOWS", 24_000)
     pieces, _ = cut_runs(runs, model, ())
     assert sum(s.context.n for s in pieces) == pytest.approx(24_000, rel=0.05)
@@ -92,7 +95,8 @@ def test_of_many_short_pieces_some_are_judged(
         t_s = np.concatenate([10.0 * k + t_s for k in range(100)])
         phase_deg, speed_rad_s = np.tile(phase_deg, 100), np.tile(speed_rad_s, 100)
     record = Record("run", t_s, phase_deg, speed_rad_s, np.full(t_s.size, 0.01))
-    stretches, _ = cut_runs([record] * (1 if in_one_run else 100), model, ())
+    runs = [replace(record, meta={"id": k}) for k in range(1 if in_one_run else 100)]
+    stretches, _ = cut_runs(runs, model, ())
     assert 0.8 * 4000 <= sum(s.context.n for s in stretches) <= 1.2 * 4000
 
 
