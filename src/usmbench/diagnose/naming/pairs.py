@@ -16,7 +16,7 @@ from usmbench.diagnose.fitting.fit import NOTHING, Fit
 from usmbench.diagnose.fitting.foretold import held_out_drop
 from usmbench.diagnose.fitting.refining import refine, refine_widely
 from usmbench.diagnose.fitting.scanning import fit_effect, sharpen
-from usmbench.diagnose.naming.ranking import CLEAR, SIGNIFICANT, TELLING, Ranked, alternatives, rank
+from usmbench.diagnose.naming.ranking import CLEAR, SIGNIFICANT, Ranked, alternatives, rank
 from usmbench.diagnose.naming.roughly_beside import roughly_together
 from usmbench.diagnose.naming.stepwise import Named, settled
 from usmbench.diagnose.naming.worth import First, earns_its_place, worth_a_name
@@ -40,8 +40,8 @@ def hidden_pair(
 ) -> Named | None:
     """Name two causes at once, or return None.
 
-    These are a jagged and a smooth one that act at one place, or the best one, or a rival, and what
-    is best beside it.
+    These are a jagged and a smooth one, or the best one and what is best beside it, or a rival and
+    what roughly is.
 
     Parameters
     ----------
@@ -64,7 +64,9 @@ def hidden_pair(
     pairs = [_led_by(problem, lead, free, spread)]
     if named is None:
         pairs += [_fitted(problem, *pair) for pair in _jagged_and_smooth(ranked)]
-        pairs += _led_by_rivals(problem, rivals, ranked, free, spread, pairs[0])
+        alone = (refine(problem, rival.fit) for rival in rivals[:_RIVALS])
+        rough = (roughly_together(problem, fit, ranked) for fit in alone)
+        pairs += [pair for pair in rough if len(pair.effects) > 1]
     best = max(pairs, key=lambda fit: fit.statistic)
     one_alone = ranked if named is None else named.rankings[0]
     if not _explains(problem, best, spread):  # the cheapest to see comes first
@@ -134,21 +136,6 @@ def _jagged_and_smooth(ranked: Sequence[Ranked]) -> Iterator[tuple[Effect, Effec
 
 def _has_only_sizes(effect: Effect) -> bool:
     return bool(effect.parameters) and not any(p.scanned for p in effect.parameters)
-
-
-def _led_by_rivals(
-    problem: Problem,
-    rivals: Sequence[Ranked],
-    ranked: Sequence[Ranked],
-    effects: Sequence[Effect],
-    spread: float,
-    best: Fit,
-) -> Iterator[Fit]:
-    """Yield the same of the best cause's rivals, where it promises more than a pair at hand."""
-    for rival in rivals[:_RIVALS]:
-        rough = roughly_together(problem, refine(problem, rival.fit), ranked)
-        if rough > best.statistic + TELLING * spread**2:
-            yield _led_by(problem, rival, effects, spread)
 
 
 def _fitted(problem: Problem, jagged: Effect, smooth: Effect) -> Fit:

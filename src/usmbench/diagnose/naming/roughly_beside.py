@@ -34,8 +34,8 @@ def roughly_beside(
             yield replace(ranked, fit=fit), fit.statistic
 
 
-def roughly_together(problem: Problem, one: Fit, found: Sequence[Ranked]) -> float:
-    """Return the deviance that a cause takes away together with the best of some beside it.
+def roughly_together(problem: Problem, one: Fit, found: Sequence[Ranked]) -> Fit:
+    """Return a cause with the best of some beside it, both refined; alone where there is none.
 
     Parameters
     ----------
@@ -51,6 +51,6 @@ def roughly_together(problem: Problem, one: Fit, found: Sequence[Ranked]) -> flo
     near = roughly_beside(problem, others, one.effects)
     best, _ = max(near, key=lambda pair: pair[1], default=(None, 0.0))
     if best is None:
-        return one.statistic
+        return one
     both = (*one.effects, best.fit.effects[-1])
-    return refine_widely(problem, Fit(both, problem.drop(both), 0.0)).statistic
+    return refine_widely(problem, Fit(both, problem.drop(both), 0.0))

@@ -71,7 +71,7 @@ def _best_start(problem: Problem, effects: Sequence[Effect], spread: float, best
     for rival in nearest(first)[1 : 1 + _RIVALS]:
         alone = refine_widely(problem, rival.fit)
         least = best.brings + TELLING * spread**2
-        if roughly_together(problem, alone, second) <= least:
+        if roughly_together(problem, alone, second).statistic <= least:
             continue
         beside = rank(problem, _others(effects, rival), spread, alone)
         brings = alone.statistic + beside[0].fit.statistic

@@ -8,7 +8,7 @@ import pytest
 from known_motor import applied, driven, identified
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.naming.ranking import Ranked
-from usmbench.diagnose.naming.roughly_beside import roughly_beside
+from usmbench.diagnose.naming.roughly_beside import roughly_beside, roughly_together
 from usmbench.diagnose.pipeline import searched
 from usmbench.diagnose.residual.own_effects import cut_beside_own
 from usmbench.diagnose.residual.problem import Problem
@@ -47,3 +47,15 @@ def test_a_size_is_fitted_anew_and_what_was_scanned_is_not(problem: Problem) -> 
 def test_what_passes_for_something_else_is_left_out(problem: Problem) -> None:
     doubtful = replace(found(problem, OFFSET), misfit=1.0)
     assert list(roughly_beside(problem, [doubtful], (SCALE,))) == []
+
+
+def test_a_cause_and_the_best_beside_it_are_refined_together(problem: Problem) -> None:
+    others = [found(problem, one) for one in (SCALE, GRID, OFFSET)]
+    both = roughly_together(problem, found(problem, OFFSET).fit, others)
+    assert [a.effect.name for a in both.effects] == ["phase_offset", "phase_quantisation"]
+    assert both.statistic == pytest.approx(problem.drop((OFFSET, GRID)), rel=0.01)
+
+
+def test_a_cause_beside_which_there_is_none_stays_alone(problem: Problem) -> None:
+    alone = found(problem, OFFSET)
+    assert roughly_together(problem, alone.fit, [alone]) is alone.fit
