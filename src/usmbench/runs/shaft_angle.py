@@ -6,7 +6,7 @@ from usmbench.runs.record import Record
 
 _ALIKE = 2.0  # times: as far as a counter may differ from it, and no unit does
 _MOVES, _FEWEST = 0.1, 20  # of the highest speed; windows
-_HALF_TURN_RAD = 0.5 * np.pi  # a window; beyond, an angle that was wrapped tells nothing
+_QUARTER_TURN_RAD = 0.5 * np.pi  # a window; far beyond, a wrapped angle tells nothing
 
 
 def angle_goes_with_speed(record: Record) -> bool:
@@ -22,7 +22,7 @@ def angle_goes_with_speed(record: Record) -> bool:
     turned = (np.diff(record.angle_rad) + np.pi) % (2.0 * np.pi) - np.pi
     expected_rad = np.abs(record.speed_rad_s * record.window_s)[1:]
     moves = expected_rad > _MOVES * np.max(expected_rad, initial=0.0)
-    moves &= expected_rad < _HALF_TURN_RAD
+    moves &= expected_rad < _QUARTER_TURN_RAD
     if np.count_nonzero(moves) < _FEWEST:
         return True
     share = float(np.median(np.abs(turned[moves]) / expected_rad[moves]))
