@@ -17,8 +17,6 @@ from usmbench.instruments.samples import SampleBlock
 from usmbench.runs.raw import RawWriter
 from usmbench.runs.writer import RunWriter
 
-pytest.importorskip("resource")
-
 # A limit to a file's size is a disk that is full for raw.h5 alone.
 UNTIL_FULL = textwrap.dedent(
     """
