@@ -11,7 +11,7 @@ from usmbench.diagnose.cutting.stretches import came_from
 from usmbench.diagnose.evidence import Estimate, NamedCause
 from usmbench.diagnose.naming.ranking import NO_CHANCE, SIGNIFICANT, TELLING
 from usmbench.diagnose.naming.standing_alone import StandingAlone, beyond
-from usmbench.diagnose.noise.spikes import PLAIN, apart, are_exceptions, moved_rad_s, steady
+from usmbench.diagnose.noise.spikes import apart, are_exceptions, moved_rad_s, steady
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.lone_windows import LoneWindows, SporadicEffect, Weighed
 from usmbench.model.effects.registry import library
@@ -76,8 +76,7 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
         return None
     if not are_exceptions(problem.stretches, left, alone.plain, alone.calm):
         return None
-    level_rad_s = np.concatenate([problem.noise.level_rad_s(s) for s in problem.stretches])[rows]
-    if _strikes_slow_ones(windows, PLAIN * spread * level_rad_s):
+    if _strikes_slow_ones(windows):
         return None
     kinds = [effect for effect in library() if isinstance(effect, SporadicEffect)]
     weighed = [(effect, effect.weigh(windows)) for effect in kinds]
@@ -99,19 +98,14 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
     return Sporadic(applied, named, _deviance(problem, left, alone))
 
 
-def _strikes_slow_ones(windows: LoneWindows, least_rad_s: Array) -> bool:
+def _strikes_slow_ones(windows: LoneWindows) -> bool:
     """Whether lone windows are slower than chance has them: a counter errs by time or by count.
 
-    A few prove nothing: a plan may be slow just where they strike. What the noise hides in fast
-    windows does not count: a typical one must show in all of them.
+    A few prove nothing: a plan may be slow just where they strike.
     """
-    typical_rad_s = np.median(np.abs(windows.deviation_rad_s[windows.alone]))
-    shows = least_rad_s < typical_rad_s
     fast = np.abs(windows.speed_rad_s)
-    struck = fast[windows.alone & shows]
-    if not struck.size:
-        return False
-    return bool(ks_2samp(struck, fast[shows], alternative="greater").pvalue < NO_CHANCE)
+    struck = fast[windows.alone]
+    return bool(ks_2samp(struck, fast, alternative="greater").pvalue < NO_CHANCE)
 
 
 def _deviance(problem: Problem, left: Sequence[Array], alone: StandingAlone) -> float:

@@ -72,6 +72,22 @@ def steady(stretch: Stretch) -> Mask:
     return calm
 
 
+def runs_on(stretch: Stretch) -> Mask:
+    """Return the rows around which the rotor turns on, however its speed changes, shape (N,).
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    speed = stretch.simulated_rad_s
+    least_rad_s = _RUNNING * float(np.max(np.abs(stretch.settled_rad_s), initial=0.0))
+    forwards = minimum_filter1d(speed, _AROUND) > least_rad_s
+    backwards = maximum_filter1d(speed, _AROUND) < -least_rad_s
+    kept_on: Mask = stretch.use & (step_kind(stretch) == 0) & (forwards | backwards)
+    return kept_on
+
+
 def moved_rad_s(stretch: Stretch) -> Array:
     """Return how far a motor that comes a little sooner or later may be off in a window, (N,).
 
