@@ -21,6 +21,7 @@ from hil_sim.defects.missed_counts import SlowInputFilter
 from hil_sim.defects.mode_hop import ModeHop
 from hil_sim.defects.phase_offset import AmplifierDelay
 from hil_sim.defects.phase_quantisation import MissingPhaseBits
+from hil_sim.defects.phase_scale import AgedShifter
 from hil_sim.defects.rubbing_cable import RubbingCable
 from hil_sim.defects.shaft_compliance import SoftCoupling
 from hil_sim.defects.slow_dynamics import Flywheel
@@ -36,6 +37,7 @@ CATALOGUE: Final[dict[str, type[Defect]]] = {
     kind.mechanism: kind
     for kind in (
         AmplifierDelay,
+        AgedShifter,
         LeaningTeeth,
         OtherCodeWheel,
         WornContact,

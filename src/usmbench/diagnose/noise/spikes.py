@@ -176,9 +176,10 @@ def are_exceptions(
 def off_steps(
     stretches: Sequence[Stretch], residuals: Sequence[Array], alone: Sequence[Mask]
 ) -> list[Mask]:
-    """Leave out the windows after steps where most are off as those after like steps are.
+    """Leave out the windows beside steps where most are off as those beside like steps are.
 
-    A delay in a staircase leaves windows that stand alone, and they are no exceptions.
+    A delay in a staircase leaves windows that stand alone, and they are no exceptions; nor are
+    those before its steps where the clocks of command and counter differ.
 
     Parameters
     ----------
@@ -189,19 +190,23 @@ def off_steps(
     alone
         The windows of each that stand alone, shape (N,).
     """
-    after = [s.use & (s.lag < LAGS) for s in stretches]
+    moments = [_from_step(s) for s in stretches]
+    beside = [s.use & (lag < LAGS) for s, (lag, _) in zip(stretches, moments, strict=True)]
     off, far, lag, step = (
-        _joined(columns, after)
-        for columns in (
-            residuals,
-            alone,
-            [s.lag for s in stretches],
-            [s.step_rad_s for s in stretches],
-        )
+        _joined(columns, beside)
+        for columns in (residuals, alone, [m[0] for m in moments], [m[1] for m in moments])
     )
     if not hang_together(off, far, np.lexsort((step, lag))):
         return list(alone)
-    return [mask & ~a for mask, a in zip(alone, after, strict=True)]
+    return [mask & ~b for mask, b in zip(alone, beside, strict=True)]
+
+
+def _from_step(stretch: Stretch) -> tuple[NDArray[np.int64], Array]:
+    """Return windows since a step and its size, shape (N,) each; -1 in the last before the next."""
+    lag, step_rad_s = stretch.lag.copy(), stretch.step_rad_s.copy()
+    before = np.flatnonzero((lag[:-1] > 0) & (lag[1:] == 0))
+    lag[before], step_rad_s[before] = -1, step_rad_s[before + 1]
+    return lag, step_rad_s
 
 
 def _joined(columns: Sequence[NDArray[Any]], rows: Sequence[Mask]) -> NDArray[Any]:

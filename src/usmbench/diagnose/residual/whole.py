@@ -13,8 +13,7 @@ from usmbench.model.extended import Applied
 
 PLAINLY = 1e-3  # that the views together show something
 _MATERIAL = 0.1  # of the noise's mean square
-_LEFT_EXPLAINED = 0.08
-LEFT_PARTLY = 0.4
+LEFT_EXPLAINED, LEFT_PARTLY = 0.08, 0.4
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,8 +88,8 @@ def doubted_test(problem: Problem, effects: Sequence[Applied], spread: float) ->
     return whole_test(doubting, omnibus(doubting), effects, spread)
 
 
-def excused(problem: Problem, spread: float) -> Whole:
-    """Test how far what is no news would have to depart to explain a residual.
+def excused(problem: Problem, spread: float, effects: Sequence[Applied] = ()) -> Whole:
+    """Test how far what is no news would have to depart to explain what effects leave.
 
     Beyond chance it hides something: it takes what it never took in the model's own runs.
 
@@ -100,8 +99,10 @@ def excused(problem: Problem, spread: float) -> Whole:
         The problem.
     spread
         Standard deviation of the whitened noise.
+    effects
+        The effects to take out first.
     """
-    departures, square = problem.excuses()
+    departures, square = problem.excuses(problem.left(effects))
     p_value = float(chi2.sf(departures @ departures / spread**2, departures.size))
     return Whole(square / spread**2, p_value, problem.n_rows)
 
@@ -117,6 +118,6 @@ def verdict(before: Whole, after: Whole, statistic: float) -> Verdict:
         Drop of the deviance that they bring.
     """
     share = after.excess / max(before.excess, statistic, 1e-12)
-    if after.p_value > PLAINLY or share < _LEFT_EXPLAINED:
+    if after.p_value > PLAINLY or share < LEFT_EXPLAINED:
         return "explained"
     return "unexplained" if share > LEFT_PARTLY and after.material else "partly_explained"

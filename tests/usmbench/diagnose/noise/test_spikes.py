@@ -68,11 +68,14 @@ def test_false_counts_are_spikes_also_beside_a_reversal(
     assert _alone(reversing, residual_rad_s) == list(windows)
 
 
-@pytest.mark.parametrize("by_chance", [True, False])
-def test_what_every_step_leaves_is_no_exception(reversing: Stretch, by_chance: bool) -> None:
+@pytest.mark.parametrize(("by_chance", "lag"), [(True, 0), (False, 0), (False, -1)])
+def test_what_every_step_leaves_is_no_exception(
+    reversing: Stretch, by_chance: bool, lag: int
+) -> None:
     residual_rad_s = np.random.default_rng(2).normal(0.0, NOISE_RAD_S, N)
-    struck = [80, 81, 163, 247] if by_chance else np.arange(20, N, 20)
-    residual_rad_s[struck] -= 20.0 * NOISE_RAD_S * np.sign(reversing.step_rad_s[struck])
+    steps = np.array([80, 81, 163, 247] if by_chance else np.arange(20, N, 20))
+    struck = steps + lag
+    residual_rad_s[struck] -= 20.0 * NOISE_RAD_S * np.sign(reversing.step_rad_s[steps])
     residual_rad_s[250] += 20.0 * NOISE_RAD_S  # far from every step
     (far,) = spiked([reversing], [residual_rad_s], NOISE, near_steps=True)
     assert far[struck].all()
