@@ -27,7 +27,7 @@ from usmbench.bluesky.signals import data_key
 from usmbench.errors import InputError
 from usmbench.runs.columns import FORMAT, PAIRS_FILE, WINDOWS_FILE
 from usmbench.runs.csv_table import Table, Values, read_table
-from usmbench.runs.meta import read_meta
+from usmbench.runs.meta import read_meta, said_motor
 from usmbench.runs.record_folder import write_folder
 
 Document = tuple[str, dict[str, Any]]
@@ -75,7 +75,7 @@ def run_documents(folder: Path) -> Iterator[Document]:
     plan = meta.get("plan")
     named = plan.get("name") if isinstance(plan, dict) else None
     # As text: its keys may hold characters that a start document's may not.
-    said = {"id": str(meta.get("id")), "motor": str(meta.get("motor")), RUN_KEY: _yaml(meta)}
+    said = {"id": str(meta.get("id")), "motor": str(said_motor(meta)), RUN_KEY: _yaml(meta)}
     head = {"plan_name": str(named or "usmbench"), META_KEY: said}
     run = compose_run(time=started_s, metadata=head)
     yield "start", dict(run.start_doc)

@@ -8,6 +8,7 @@ from usmbench.cli.bench_session import SIMULATED
 from usmbench.cli.sweep_run import encoder_meta
 from usmbench.errors import InputError
 from usmbench.runs.columns import RUN_FILE
+from usmbench.runs.meta import said_motor
 from usmbench.settings.bench import BenchSettings
 
 # What one windows.csv has one of.
@@ -30,7 +31,7 @@ def another_motor(meta: Mapping[str, Any], bench: str, settings: BenchSettings) 
     settings
         What it says.
     """
-    own, motor = meta.get("bench"), meta.get("motor")
+    own, motor = meta.get("bench"), said_motor(meta)
     name = own.get("name") if isinstance(own, dict) else None
     if name is not None and (name == SIMULATED) != (settings.name == SIMULATED):
         return f"was measured on the bench {name}, on {bench} is another motor"

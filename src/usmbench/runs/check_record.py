@@ -6,6 +6,7 @@ from hashlib import sha256
 import numpy as np
 
 from usmbench.errors import InputError
+from usmbench.runs.meta import said_motor
 from usmbench.runs.record import Record
 
 _COLUMNS = ("t_s", "phase_deg", "speed_rad_s", "frequency_hz", "torque_nm", "angle_rad")
@@ -52,7 +53,7 @@ def check_together(records: Sequence[Record]) -> None:
     usmbench.errors.InputError
         They name more than one motor, or two have one id, or the same rows and not an id each.
     """
-    motors = {str(r.meta["motor"]): r.name for r in records if r.meta.get("motor") is not None}
+    motors = {m: r.name for r in records if (m := said_motor(r.meta)) is not None}
     if len(motors) > 1:
         said = "; ".join(f"{name} is of {motor}" for motor, name in motors.items())
         raise InputError(f"these runs do not belong together: {said}; take one motor at a time")

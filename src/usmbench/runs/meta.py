@@ -11,6 +11,7 @@ from usmbench.runs.columns import FORMAT, RUN_FILE
 from usmbench.settings.schema import check
 from usmbench.settings.yaml_source import Source, read_source
 
+_TELLS_MOTOR = ("name", "maker", "type", "model", "serial", "serial_number", "id")
 _MOST_BYTES = 10_000_000  # users may keep much beside what the run says
 
 
@@ -90,6 +91,24 @@ def said_window_s(meta: Mapping[str, Any]) -> float | None:
     encoder = meta.get("encoder") or {}
     samples, rate_hz = encoder.get("samples_per_average"), encoder.get("sample_rate_hz")
     return None if samples is None or rate_hz is None else float(samples / rate_hz)
+
+
+def said_motor(meta: Mapping[str, Any]) -> str | None:
+    """Return which motor a run is of by run.yaml, None where it does not say.
+
+    Parameters
+    ----------
+    meta
+        What run.yaml says. A mapping tells a motor by its name, its type and its number, or, where
+        it has none of these, by all that it says.
+    """
+    motor = meta.get("motor")
+    if isinstance(motor, Mapping):
+        known = [motor[key] for key in _TELLS_MOTOR if motor.get(key) is not None]
+        motor = " ".join(str(word) for word in known) or ", ".join(
+            f"{key} {value}" for key, value in motor.items()
+        )
+    return None if motor in (None, "") else str(motor)
 
 
 def said_numbers(value: object) -> tuple[float, ...]:

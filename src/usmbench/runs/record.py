@@ -99,8 +99,9 @@ class Record:
     @property
     def phase_step_deg(self) -> float | None:
         """Step of the phases that the generator sets; None where run.yaml does not say."""
-        step_deg: float | None = (self.meta.get("generator") or {}).get("phase_step_deg")
-        return step_deg
+        generator = self.meta.get("generator")
+        step_deg = generator.get("phase_step_deg") if isinstance(generator, dict) else None
+        return None if step_deg is None else float(step_deg)
 
     def rows(self, rows: NDArray[np.bool_] | NDArray[np.integer[Any]]) -> Self:
         """Return the run with some of its rows.

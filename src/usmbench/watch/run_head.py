@@ -7,7 +7,7 @@ from typing import Any
 
 from usmbench.errors import InputError
 from usmbench.runs.columns import RUN_FILE
-from usmbench.runs.meta import read_meta, said_window_s
+from usmbench.runs.meta import read_meta, said_motor, said_window_s
 from usmbench.runs.time_step import UNKNOWN_S
 from usmbench.settings.bench_file import parse_bench
 from usmbench.settings.plan_file import parse_plan
@@ -74,7 +74,7 @@ def read_head(folder: Path) -> RunHead:
     generator, daq = _mapping(bench, "generator"), _mapping(bench, "daq")
     plan = _mapping(meta, "plan")
     words = {
-        "motor": meta.get("motor"),
+        "motor": said_motor(meta),
         "plan": plan.get("name")
         or (f"replay of {meta['replay_of']}" if "replay_of" in meta else None),
         "bench": bench.get("name"),

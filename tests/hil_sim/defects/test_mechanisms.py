@@ -81,6 +81,11 @@ def test_a_late_amplifier_shifts_the_phase() -> None:
     assert late == pytest.approx(speed_rad_s(phase_deg=40.0), rel=1e-3)
 
 
+def test_an_aged_shifter_turns_too_far() -> None:
+    too_far = speed_rad_s("aged_shifter=25", phase_deg=-32.0)
+    assert too_far == pytest.approx(speed_rad_s(phase_deg=-40.0), rel=1e-3)
+
+
 def test_missing_bits_cut_the_phase_down_to_a_coarse_grid() -> None:
     grid_deg = 360.0 / 4096.0 * 2**7
     assert speed_rad_s("missing_phase_bits=7", phase_deg=3.9 * grid_deg) == pytest.approx(

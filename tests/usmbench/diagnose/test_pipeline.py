@@ -68,6 +68,7 @@ def test_names_what_another_day_hides(wandering: HammersteinModel, seed: int) ->
         (applied("swapped_channels", ""), None),
         (applied("swapped_channels", "of the drive"), None),
         (applied("phase_quantisation", "cut to zero", step_deg=0.9), "step_deg"),
+        (applied("phase_scale", "", scale_error=-0.03), "scale_error"),
     ],
     ids=lambda value: value.effect.name if isinstance(value, Applied) else "",
 )

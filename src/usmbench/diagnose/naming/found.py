@@ -17,7 +17,6 @@ from usmbench.diagnose.naming.remainder import LOUD
 from usmbench.diagnose.naming.sporadic import Sporadic
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.whole import (
-    LEFT_EXPLAINED,
     LEFT_PARTLY,
     PLAINLY,
     Whole,
@@ -233,15 +232,6 @@ def on_nothing_named(found: Found) -> Verdict:
     return "no_discrepancy"
 
 
-def _hidden_share(found: Found) -> float:
-    """Share of what is off that the names leave to what is no news, which takes no such part."""
-    hidden = excused(found.problem, found.spread, found.fit.effects)
-    if not hidden.beyond(PLAINLY, _LEAST_HIDDEN):
-        return 0.0
-    before = excused(found.problem, found.spread).excess
-    return hidden.excess / max(before, found.explained)
-
-
 def _on_named(found: Found) -> Verdict:
     """Say whether names may stand, and whether they are all."""
     says = verdict(found.before, found.after, found.explained)
@@ -250,11 +240,6 @@ def _on_named(found: Found) -> Verdict:
     # Scatter is not smooth: what the views show of it is little.
     if chancy_of(found.fit.effects) and found.leaves_more:
         return on_nothing_named(found)
-    hides = _hidden_share(found)
-    if hides > LEFT_PARTLY:
-        return "unexplained"
-    if hides > LEFT_EXPLAINED and says == "explained":
-        says = "partly_explained"
     if found.patched or found.at_an_end or (says != "explained" and found.on_a_grid):
         return "unexplained"
     # Several that leave something are patches on what the library does not know.

@@ -96,20 +96,15 @@ class WeighedResidual:
         every = self._covariance.shapes.combined(departed)
         return np.split(every, np.cumsum([part.size for part in signal])[:-1])
 
-    def excuses(self, carried: Array) -> tuple[Array, float]:
+    def excuses(self) -> tuple[Array, float]:
         """Return how far what is no news has to depart, and what this makes of the noise.
-
-        Parameters
-        ----------
-        carried
-            A carried residual, shape (M,).
 
         Returns
         -------
         tuple of Array and float
             As in `Carrier.excuses`.
         """
-        return self._carrier.excuses(carried)
+        return self._carrier.excuses(self.residual)
 
     def carried(self, signal: Sequence[Array]) -> Array:
         """Return a residual as the vector whose square is its deviance, shape (M,) or (M, K).

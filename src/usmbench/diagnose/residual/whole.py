@@ -13,7 +13,8 @@ from usmbench.model.extended import Applied
 
 PLAINLY = 1e-3  # that the views together show something
 _MATERIAL = 0.1  # of the noise's mean square
-LEFT_EXPLAINED, LEFT_PARTLY = 0.08, 0.4
+_LEFT_EXPLAINED = 0.08
+LEFT_PARTLY = 0.4
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,8 +89,8 @@ def doubted_test(problem: Problem, effects: Sequence[Applied], spread: float) ->
     return whole_test(doubting, omnibus(doubting), effects, spread)
 
 
-def excused(problem: Problem, spread: float, effects: Sequence[Applied] = ()) -> Whole:
-    """Test how far what is no news would have to depart to explain what effects leave.
+def excused(problem: Problem, spread: float) -> Whole:
+    """Test how far what is no news would have to depart to explain a residual.
 
     Beyond chance it hides something: it takes what it never took in the model's own runs.
 
@@ -99,10 +100,8 @@ def excused(problem: Problem, spread: float, effects: Sequence[Applied] = ()) ->
         The problem.
     spread
         Standard deviation of the whitened noise.
-    effects
-        The effects to take out first.
     """
-    departures, square = problem.excuses(problem.left(effects))
+    departures, square = problem.excuses()
     p_value = float(chi2.sf(departures @ departures / spread**2, departures.size))
     return Whole(square / spread**2, p_value, problem.n_rows)
 
@@ -118,6 +117,6 @@ def verdict(before: Whole, after: Whole, statistic: float) -> Verdict:
         Drop of the deviance that they bring.
     """
     share = after.excess / max(before.excess, statistic, 1e-12)
-    if after.p_value > PLAINLY or share < LEFT_EXPLAINED:
+    if after.p_value > PLAINLY or share < _LEFT_EXPLAINED:
         return "explained"
     return "unexplained" if share > LEFT_PARTLY and after.material else "partly_explained"

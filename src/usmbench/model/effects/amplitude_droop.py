@@ -31,7 +31,6 @@ _DROOP = Parameter(
 )
 _HELD = replace(
     HELD_BACK,
-    low=0.0,
     what="speed that friction takes as well at that power, most near standstill",
 )
 _STORE = Parameter(

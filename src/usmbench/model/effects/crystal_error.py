@@ -1,10 +1,12 @@
 """The generator's crystal is off: both drive frequencies are."""
 
+from dataclasses import replace
+
 from usmbench.model.effects.base import Array, Values
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.parameter import Parameter
 from usmbench.model.effects.resonance import AlongResonance, detuned
-from usmbench.model.effects.weaker_drive import WeakerDrive
+from usmbench.model.effects.weaker_drive import HELD_BACK, LOST, WeakerDrive
 
 _MEANING = "The drive frequency is not the one commanded, so the motor vibrates less or more."
 _MEND = "Measure the drive frequency with a counter; look at the generator's crystal."
@@ -40,12 +42,27 @@ class CrystalError(AlongResonance):
         return detuned(signal, context, 1e-6 * values["frequency_error_ppm"])
 
 
-class UnknownSlope(WeakerDrive):
-    """What it does at one frequency, of whose slope nothing is known."""
+class FartherFromResonance(WeakerDrive):
+    """What it does at one frequency, of whose slope nothing is known: the motor vibrates less."""
 
     name = "crystal_error"
     meaning = _MEANING
     mend = _MEND
 
 
-FORMS = (CrystalError(), UnknownSlope())
+class NearerResonance(FartherFromResonance):
+    """It vibrates more: faster, and friction holds less. Never faster, and held more."""
+
+    form = "nearer the resonance"
+    parameters = (
+        replace(LOST, low=-2.0, high=0.0, what="share of the speed that is lost: it is gained"),
+        replace(
+            HELD_BACK,
+            low=-30.0,
+            high=0.0,
+            what="speed that friction takes as well, most near standstill: it takes less",
+        ),
+    )
+
+
+FORMS = (CrystalError(), FartherFromResonance(), NearerResonance())

@@ -4,15 +4,12 @@ from dataclasses import replace
 
 from usmbench.model.effects.base import Array, Values
 from usmbench.model.effects.context import Context
-from usmbench.model.effects.parameter import Parameter
 from usmbench.model.effects.resonance import AlongResonance, vibrating_less
-from usmbench.model.effects.weaker_drive import HELD_BACK, WeakerDrive
+from usmbench.model.effects.weaker_drive import HELD_BACK, LOST, WeakerDrive
 
 _MEANING = "One of the two drive voltages is weaker than the other."
 _MEND = "Compare the two amplitudes on an oscilloscope; look at the amplifiers and the filters."
-_LOST = Parameter(
-    "speed_lost", "1", 0.0, 0.0, 0.9, 0.01, what="share of the highest speed that is lost"
-)
+_LOST = replace(LOST, what="share of the highest speed that is lost")
 
 
 class GeneratorImbalance(AlongResonance):
@@ -45,7 +42,7 @@ class UnknownSlope(WeakerDrive):
     name = "generator_imbalance"
     meaning = _MEANING
     mend = _MEND
-    parameters = (_LOST, replace(HELD_BACK, low=0.0))
+    parameters = (_LOST, HELD_BACK)
 
 
 FORMS = (GeneratorImbalance(), UnknownSlope())

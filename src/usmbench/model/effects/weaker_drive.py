@@ -7,11 +7,12 @@ from usmbench.model.effects.context import Context
 from usmbench.model.effects.parameter import Parameter
 from usmbench.model.effects.resonance import WithoutResonance
 
+LOST = Parameter("speed_lost", "1", 0.0, 0.0, 0.9, 0.01, what="share of the speed that is lost")
 HELD_BACK = Parameter(
     "held_back_rad_s",
     "rad/s",
     0.0,
-    -30.0,
+    0.0,
     30.0,
     0.05,
     what="speed that friction takes as well, most near standstill",
@@ -62,18 +63,7 @@ class WeakerDrive(WithoutResonance):
     At one operating point every cause that lowers the vibration looks like this.
     """
 
-    parameters = (
-        Parameter(
-            "speed_lost",
-            "1",
-            0.0,
-            -2.0,
-            0.9,
-            0.01,
-            what="share of the speed that is lost; negative is gained",
-        ),
-        HELD_BACK,
-    )
+    parameters = (LOST, HELD_BACK)
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
         """Return the settled speed.

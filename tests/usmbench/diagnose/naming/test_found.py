@@ -55,25 +55,6 @@ def test_a_name_that_leaves_more_than_it_explains_is_none(left: float, verdict: 
 
 
 @pytest.mark.parametrize(
-    ("departs", "verdict"),
-    [(0.0, "explained"), (5.0, "explained"), (20.0, "partly_explained"), (60.0, "unexplained")],
-)
-def test_what_is_no_news_takes_no_large_part_beside_a_name(
-    monkeypatch: pytest.MonkeyPatch, departs: float, verdict: str
-) -> None:
-    problem = judged(1.0)
-    cause, n_rows = applied("speed_scale", "", scale_error=0.02), problem.n_rows
-    fit = Fit((cause,), 1.0 * n_rows, 0.0)
-    named = [[Ranked(cause.effect, fit, fit.statistic, 0.0, fit.statistic)]]
-    before, after = Whole(1.0 * n_rows, 0.0, n_rows), Whole(0.0, 1.0, n_rows)
-    hides = {0: Whole(100.0 * n_rows, 0.0, n_rows), 1: Whole(departs * n_rows, 1e-5, n_rows)}
-    monkeypatch.setattr(
-        "usmbench.diagnose.naming.found.excused", lambda *a: hides[len(a[2]) if a[2:] else 0]
-    )
-    assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), None) == verdict
-
-
-@pytest.mark.parametrize(
     ("asymmetry", "verdict"), [(0.3, "explained"), (1.5, "unexplained"), (-1.5, "unexplained")]
 )
 def test_a_size_that_is_all_it_may_be_is_no_explanation(asymmetry: float, verdict: str) -> None:

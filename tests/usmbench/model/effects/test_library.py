@@ -34,6 +34,7 @@ BENCH = [
     "stick_slip",
     "shaft_compliance",
     "generator_imbalance",
+    "phase_scale",
     "coupling_backlash",
     "swapped_channels",
 ]
@@ -82,7 +83,9 @@ class TestEveryEffect:
 
     def test_changes_the_speed_by_a_finite_amount(self, effect: Effect) -> None:
         values = {
-            p.name: p.null if p.scanned and p.null > 0.0 else p.null + 20.0 * p.typical
+            p.name: p.null
+            if p.scanned and p.null > 0.0
+            else p.null + 20.0 * p.typical * (1.0 if p.high > p.null else -1.0)
             for p in effect.parameters
         }
         inside = {p.name: float(np.clip(values[p.name], p.low, p.high)) for p in effect.parameters}

@@ -10,7 +10,12 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from usmbench.model.effects import dead_zone_hysteresis, encoder_eccentricity, speed_scale
+from usmbench.model.effects import (
+    crystal_error,
+    dead_zone_hysteresis,
+    encoder_eccentricity,
+    speed_scale,
+)
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.coupling_backlash import CouplingBacklash
 from usmbench.model.effects.first_order import (
@@ -108,6 +113,12 @@ def test_steps_are_tried_close_enough_to_meet_a_coarse_one(farthest_deg: float) 
     levels = farthest_deg / steps_deg[steps_deg <= farthest_deg]
     assert np.max(-np.diff(levels[levels < farthest_deg / 10.0])) <= 0.25 + 1e-9
     assert np.max(-np.diff(levels[levels < farthest_deg / 0.4])) <= 0.5 + 1e-9
+
+
+def test_a_frequency_that_makes_the_motor_faster_never_makes_friction_hold_more() -> None:
+    forms = [e for e in crystal_error.FORMS if len(e.parameters) > 1]
+    bounds = [(p.low >= 0.0, p.high <= 0.0) for e in forms for p in e.parameters]
+    assert bounds == [(True, False), (True, False), (False, True), (False, True)]
 
 
 def test_a_long_run_has_no_time_for_the_finest_steps() -> None:
