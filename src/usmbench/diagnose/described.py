@@ -20,11 +20,11 @@ from usmbench.diagnose.naming.chance import chancy_of
 from usmbench.diagnose.naming.detectable import smallest_sizes
 from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.naming.ranking import Ranked, alternatives
-from usmbench.diagnose.naming.remainder import LOUD, describe
+from usmbench.diagnose.naming.remainder import LOUD, Beyond, describe
 from usmbench.diagnose.naming.sporadic import left_unnamed
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.views import residual_views
-from usmbench.diagnose.result import Diagnosis, Trace, View
+from usmbench.diagnose.result import Diagnosis, Remainder, Trace, View
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
@@ -74,7 +74,7 @@ def described(
         gain=gain.gain,
         gain_low=gain.low,
         gain_high=gain.high,
-        remainder=None if silent else describe(views, found.spread),
+        remainder=None if silent else _remainder(found, views),
         minimum_detectable=smallest_sizes(problem, testable, found.spread),
         views=views,
         traces=tuple(_traces(problem, fit)),
@@ -82,6 +82,12 @@ def described(
         n_windows=problem.n_rows,
         warnings=(*warnings, *_warnings(held)),
     )
+
+
+def _remainder(found: Found, views: Sequence[View]) -> Remainder:
+    """Say what is left, whichever test it was that told."""
+    beyond = Beyond.of(found.problem, found.fit.effects, found.spread, found.after)
+    return describe(views, found.spread, beyond)
 
 
 def _shown(views: Sequence[View]) -> bool:

@@ -76,7 +76,8 @@ class Remainder:
     Parameters
     ----------
     versus
-        Key of the view that shows it most clearly.
+        Key of the view that shows it most clearly; "noise" where windows scatter without a pattern,
+        "time" where no view by itself shows it.
     says
         One sentence.
     """

@@ -1,10 +1,18 @@
 """What is left over, in a sentence."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2, norm, poisson
 
+from usmbench.diagnose.residual.problem import Problem
+from usmbench.diagnose.residual.whole import PLAINLY, Whole, excused
 from usmbench.diagnose.result import Remainder, View
+from usmbench.model.extended import Applied
+
+Array = NDArray[np.float64]
 
 _SAYS = {
     "phase": "the residual depends on the commanded phase, most around {at:.3g}°",
@@ -16,11 +24,113 @@ _SAYS = {
     "speed": "the residual depends on the speed, most around {at:.3g} rad/s",
 }
 _VERSUS = {"gain over time": "time"}  # views of one thing
+_LIKE_A_CAUSE = (
+    "what is left resembles a cause of the library more than chance does, though it cannot be "
+    "named for it"
+)
 LOUD = 1.5  # times the noise of the model's runs, from which on it is a finding by itself
+_FAR = 3.0  # times the noise: one window in 370 by chance
+_FEWEST_ROWS, _MOST_PARTS = 8, 12  # of a run, to say where in time most is left
 
 
-def describe(views: Sequence[View], spread: float) -> Remainder:
-    """Return the view that exceeds its band most after the extension.
+@dataclass(frozen=True, slots=True)
+class Beyond:
+    """What is beyond the noise though no view by itself need show it.
+
+    Parameters
+    ----------
+    n_rows
+        Rows that were judged.
+    n_far
+        Of these, by how many single ones more than `_FAR` times the noise is left.
+    times_noise
+        Root mean square of all rows and of what is no news, over what noise leaves.
+    p_value
+        Probability of as much in all rows or in all views together where nothing is wrong.
+    p_excused
+        Probability that the model is as far off as it would have to be to explain it all; 1 where
+        something is named.
+    where
+        Where in time most is left.
+    """
+
+    n_rows: int
+    n_far: int
+    times_noise: float
+    p_value: float
+    p_excused: float
+    where: str
+
+    @classmethod
+    def of(
+        cls, problem: Problem, effects: Sequence[Applied], spread: float, views: Whole
+    ) -> "Beyond":
+        """Return what effects leave.
+
+        Parameters
+        ----------
+        problem
+            The problem.
+        effects
+            All that is named.
+        spread
+            Standard deviation of the whitened noise.
+        views
+            The test over all views of what they leave.
+        """
+        left, n_rows = problem.left(effects) / spread, problem.n_rows
+        square, rows = float(left @ left), left[:n_rows]
+        return cls(
+            n_rows,
+            int(np.count_nonzero(np.abs(rows) > _FAR)),
+            float(np.sqrt(square / n_rows)),
+            min(views.p_value, float(chi2.sf(square, n_rows))),
+            1.0 if effects else excused(problem, spread).p_value,
+            _where(problem, rows),
+        )
+
+    def says(self) -> str:
+        """Return the sentence of what of it is beyond chance, the plainest first."""
+        by_chance = 2.0 * float(norm.sf(_FAR)) * self.n_rows
+        if poisson.sf(self.n_far - 1, by_chance) < PLAINLY:
+            return (
+                "single windows are off by more than noise leaves, though no view by itself shows "
+                f"it: {self.n_far} of {self.n_rows} by more than {_FAR:g} times the noise, where "
+                f"chance leaves {by_chance:.2g}, most {self.where}"
+            )
+        if self.p_value < PLAINLY:
+            return (
+                "all windows and views together show more than noise leaves, though none of them "
+                f"does by itself: {self.times_noise:.3g} times as much (root mean square), most "
+                f"{self.where}"
+            )
+        if self.p_excused < PLAINLY:
+            return (
+                "what is left looks like an error of the model itself, but larger than the runs "
+                "it was identified on let one expect"
+            )
+        return _LIKE_A_CAUSE
+
+
+def _where(problem: Problem, rows: Array) -> str:
+    """Say around which time of which run most is left."""
+    parts: list[tuple[float, str]] = []
+    several, start = len(problem.stretches) > 1, 0
+    for stretch, valid in zip(problem.stretches, problem.valid, strict=True):
+        t_s = stretch.context.t_s[valid]
+        squares, start = rows[start : start + t_s.size] ** 2, start + t_s.size
+        n_parts = int(np.clip(t_s.size // _FEWEST_ROWS, 1, _MOST_PARTS))
+        of_run = f" of {stretch.name}" if several else ""
+        parts += [
+            (float(np.mean(squares[k])), f"around {np.mean(t_s[k]):.3g} s{of_run}")
+            for k in np.array_split(np.arange(t_s.size), n_parts)
+            if k.size
+        ]
+    return max(parts)[1]
+
+
+def describe(views: Sequence[View], spread: float, beyond: Beyond | None = None) -> Remainder:
+    """Return what shows most plainly that something is left after the extension.
 
     Parameters
     ----------
@@ -28,6 +138,9 @@ def describe(views: Sequence[View], spread: float) -> Remainder:
         The views.
     spread
         Standard deviation of the noise that no view shows, over that of the model's runs.
+    beyond
+        What is left where no view by itself shows it; None where it looks like a cause that is
+        not named.
     """
     worst = max(views, key=lambda view: view.excess_after)
     if spread > LOUD and worst.excess_after < LOUD:
@@ -36,11 +149,11 @@ def describe(views: Sequence[View], spread: float) -> Remainder:
             f"the windows scatter {spread:.2g} times as widely as in the model's runs, without a "
             "pattern: look for what is faster than a window, such as a ripple of the supply",
         )
+    if worst.excess_after < 1.0:
+        return Remainder("time", _LIKE_A_CAUSE if beyond is None else beyond.says())
     k = int(np.argmax(np.abs(worst.after_rad_s) / worst.band_rad_s))
     says = _SAYS[worst.versus].format(at=float(worst.centre[k]))
     size = float(worst.after_rad_s[k])
-    if worst.excess_after < 1.0:
-        says = f"no view by itself shows more than noise leaves; most: {says}"
     return Remainder(
         _VERSUS.get(worst.versus, worst.versus),
         f"{says} ({size:+.3g} rad/s, {worst.excess_after:.2g} times what noise would leave)",
