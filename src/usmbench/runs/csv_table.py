@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from usmbench.errors import InputError
 from usmbench.runs.plain_numbers import plain_numbers
 
+_MOST_SHOWN = 60  # letters
 _TAIL, _FEWEST_ALIKE = 4096, 6  # bytes; rows that tell how many decimals are written
 
 Values = NDArray[np.float64] | NDArray[np.str_]
@@ -128,7 +129,8 @@ def _names(path: Path, content: bytes, needed: Collection[str]) -> list[str]:
     if missing:
         raise InputError(
             f"no column {missing[0]!r}; the first line must name the columns, "
-            f"separated by commas, {', '.join(needed)} among them{_hint(head)}",
+            f"separated by commas, {', '.join(needed)} among them{_quoted(head)}"
+            f"{_hint(head, names, missing[0])}",
             file=path,
             line=1,
         )
@@ -138,11 +140,25 @@ def _names(path: Path, content: bytes, needed: Collection[str]) -> list[str]:
     return names
 
 
-def _hint(head: str) -> str:
-    """Say how a file comes in whose columns stand between something else than commas."""
+def _quoted(head: str) -> str:
+    """Show what stands in the place of the names."""
+    shown = head if len(head) <= _MOST_SHOWN else f"{head[:_MOST_SHOWN]}…"
+    return f"; it is {shown!r}" if head else ""
+
+
+def _hint(head: str, names: list[str], missing: str) -> str:
+    """Say how a file comes in whose names are others, or stand elsewhere."""
     for mark, name in ((";", "semicolons"), ("\t", "tabs")):
         if mark in head and "," not in head:
             return f"; these stand between {name}: bring the file in with `usmbench import`"
+    for name in names:
+        if name.lower() == missing:
+            return f"; write {name!r} in small letters"
+    if head and (head.startswith("#") or "," not in head):
+        return (
+            "; remove what stands above the names, or bring the file in with `usmbench import` and "
+            "its skip_lines"
+        )
     return ""
 
 

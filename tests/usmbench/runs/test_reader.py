@@ -232,6 +232,11 @@ def test_columns_of_the_users_own_are_kept(tmp_path: Path) -> None:
     ("text", "line", "says"),
     [
         ("phase,speed\n1,2\n", 1, "no column 'phase_deg'"),
+        ("phase,speed\n1,2\n", 1, "among them; it is 'phase,speed'"),
+        ("phase," + "x" * 90 + "\n1,2\n", 1, f"'phase,{'x' * 54}…'"),
+        ("\x1b[31m\n1,2\n", 1, r"it is '\x1b[31m'"),
+        ("# my bench\nphase_deg,speed_rad_s\n1,2\n", 1, "usmbench import` and its skip_lines"),
+        ("Phase_deg,speed_rad_s\n1,2\n", 1, "write 'Phase_deg' in small letters"),
         ("phase_deg;speed_rad_s\n1,5;2\n", 1, "between semicolons: bring the file in with `usm"),
         ("phase_deg\tspeed_rad_s\n1\t2\n", 1, "between tabs: bring the file in with `usmbench"),
         ("phase_deg,speed_rad_s,phase_deg\n1,2,3\n", 1, "stands twice"),
