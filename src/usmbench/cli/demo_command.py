@@ -11,7 +11,7 @@ from usmbench.cli.bench_session import SIMULATED
 from usmbench.cli.main import main
 from usmbench.errors import BenchError, InputError
 from usmbench.model.model_file import read_model
-from usmbench.report.diagnosis_text import percent
+from usmbench.report.numbers_text import percent
 from usmbench.runs.meta import read_meta
 from usmbench.runs.reader import read_run
 

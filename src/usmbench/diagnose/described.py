@@ -81,6 +81,7 @@ def described(
         extended=replace(model, effects=(*model.effects, *effects)),
         n_windows=problem.n_rows,
         warnings=(*warnings, *_warnings(held)),
+        left_over=held.left_over,
     )
 
 

@@ -119,6 +119,8 @@ class Diagnosis:
         Windows that were judged.
     warnings
         What the user ought to know, one sentence each.
+    left_over
+        The rms of what the extended model leaves, over that which the model's own runs show.
     next_experiment
         ``{"says", "plan", "odds_before", "odds_after"}``, or None.
     """
@@ -140,6 +142,7 @@ class Diagnosis:
     extended: HammersteinModel
     n_windows: int
     warnings: tuple[str, ...] = ()
+    left_over: float = 1.0
     next_experiment: dict[str, Any] | None = None
 
     def to_json(self) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from usmbench.diagnose.result import Diagnosis
 from usmbench.model.hammerstein import HammersteinModel
+from usmbench.report.diagnosis_causes import causes_section
 from usmbench.report.diagnosis_sections import (
     driven_section,
     evidence_section,
@@ -16,7 +17,6 @@ from usmbench.report.diagnosis_sections import (
 )
 from usmbench.report.diagnosis_style import STYLE
 from usmbench.report.diagnosis_tables import (
-    causes_section,
     detectable_table,
     files_table,
     fitted_on,

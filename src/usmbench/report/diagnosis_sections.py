@@ -2,13 +2,27 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from usmbench.diagnose.result import Diagnosis, Trace, View
 from usmbench.report.diagnosis_figures import legend, trace_figure, view_figure
 from usmbench.report.diagnosis_tables import candidates_table, plan_text, table
-from usmbench.report.diagnosis_text import escaped, number, percent, probability_of, times
+from usmbench.report.diagnosis_text import escaped
 from usmbench.report.error_text import noise_note, what_is_left
+from usmbench.report.experiment_text import odds_of, why_no_experiment
+from usmbench.report.numbers_text import number, percent, times
 
 _MOST_TRACES = 6
+_WITH_CAUSE = "simulation with the cause in it"
+_OF_THE_ERROR = (
+    "A share of the error above the noise is one of its mean square above that of the noise: where "
+    "75 % are removed, what is left of the error beyond the noise is half as large."
+)
+_PARTLY = (
+    " Where a second, larger number follows, that is the whole drop, and only the first speaks for "
+    "the cause: what the model may be off by explains the rest as well, or counts should be lost "
+    "by chance and do not scatter."
+)
 
 
 def figures_section(diagnosis: Diagnosis) -> str:
@@ -42,7 +56,8 @@ def figures_section(diagnosis: Diagnosis) -> str:
         f"<div><dt>{name}</dt><dd>{value}<small>{note}</small></dd></div>"
         for name, value, note in entries
     )
-    return f'<dl class="figures">{cells}</dl>'
+    share = f'<p class="note">{_OF_THE_ERROR}</p>' if diagnosis.causes else ""
+    return f'<dl class="figures">{cells}</dl>{share}'
 
 
 def traces_section(diagnosis: Diagnosis) -> str:
@@ -54,21 +69,21 @@ def traces_section(diagnosis: Diagnosis) -> str:
         What was found.
     """
     extended = bool(diagnosis.causes)
-    entries = [("measured", "measured"), ("before", "simulation")]
+    above = [("measured", "measured"), ("before", "simulation")]
+    below = [("before dense", "what the simulation leaves")]
     if extended:
-        entries.append(("after", "simulation with the cause in it"))
+        above.append(("after", _WITH_CAUSE))
+        below.append(("after dense", f"what the {_WITH_CAUSE} leaves"))
     shown = diagnosis.traces[:_MOST_TRACES]
     figures = "".join(_trace(trace, extended=extended) for trace in shown)
     more = len(diagnosis.traces) - len(shown)
     rest = f'<p class="note">{more} more stretches are not drawn.</p>' if more else ""
-    thin = ", with the cause in it thin" if extended else ""
     return (
         '<h2 id="runs">Measured against simulated</h2>'
         '<p class="how">Above, the speed; below, what each simulation leaves of it. The '
-        "simulation runs free: it is given the commands and never the measured speed. Below, "
-        f"the simulation is broad and pale{thin}; what lies beyond the axis is drawn at its "
-        "edge.</p>"
-        f"{legend(*entries)}{figures}{rest}"
+        "simulation runs free: it is given the commands and never the measured speed. What lies "
+        "beyond the axis is drawn at its edge.</p>"
+        f"{legend(*above, *below)}{figures}{rest}"
     )
 
 
@@ -78,7 +93,7 @@ def _trace(trace: Trace, *, extended: bool) -> str:
 
 
 def views_section(diagnosis: Diagnosis) -> str:
-    """Return the residual against each quantity, the farthest out first.
+    """Return the residual against each quantity, first what tells most of the named causes.
 
     Parameters
     ----------
@@ -88,24 +103,38 @@ def views_section(diagnosis: Diagnosis) -> str:
     extended = bool(diagnosis.causes)
     entries = [("band", "band of a run that is as simulated"), ("before marked", "simulation")]
     if extended:
-        entries.append(("after marked", "simulation with the cause in it"))
-    figures = []
-    for view in diagnosis.views:
-        beyond = f"{times(view.excess_before)} its band"
-        if extended:
-            beyond += f", with the cause {times(view.excess_after)}"
-        figures.append(
-            f"<figure><figcaption><b>Against {escaped(view.versus)}</b>: {beyond}"
-            f"{_remark(view)}</figcaption>"
-            f"{view_figure(view, extended=extended)}</figure>"
-        )
+        entries.append(("after marked", _WITH_CAUSE))
+    views: Sequence[View] = diagnosis.views
+    first = "that leaves its band farthest"
+    if extended:
+        views = sorted(views, key=_removed_square, reverse=True)
+        first = "of which the cause removes most"
+    figures = "".join(_view(view, extended=extended) for view in views)
     return (
         '<h2 id="views">What gave it away</h2>'
         '<p class="how">Measured less simulated speed, averaged, without what the simulation '
         "misses on its own runs. Noise, and what healthy runs differ by, keep all points of a "
-        "figure within its grey band in 95 of 100 runs; 1 × is at the band's edge. The figure that "
-        f'leaves its band farthest comes first.</p>{legend(*entries)}<div class="views">'
-        f"{''.join(figures)}</div>"
+        "figure within its grey band in 95 of 100 runs; 1 × is at the band's edge. The figure "
+        f'{first} comes first.</p>{legend(*entries)}<div class="views">{figures}</div>'
+    )
+
+
+def _removed_square(view: View) -> float:
+    """Sum of squares that the named causes take out of a view, in (rad/s)².
+
+    Bands differ too much for these to compare: a narrow one is left by what hardly is there.
+    """
+    return float(np.sum(view.n_windows * (view.before_rad_s**2 - view.after_rad_s**2)))
+
+
+def _view(view: View, *, extended: bool) -> str:
+    """Return a figure under its caption."""
+    beyond = f"{times(view.excess_before)} its band"
+    if extended:
+        beyond += f", with the cause {times(view.excess_after)}"
+    return (
+        f"<figure><figcaption><b>Against {escaped(view.versus)}</b>: {beyond}{_remark(view)}"
+        f"</figcaption>{view_figure(view, extended=extended)}</figure>"
     )
 
 
@@ -128,13 +157,14 @@ def evidence_section(diagnosis: Diagnosis) -> str:
         for name, why in diagnosis.not_testable
     )
     untested = f"<h3>Not testable with these runs</h3><ul>{refused}</ul>" if refused else ""
+    partly = _PARTLY if any(c.misfit for c in diagnosis.candidates) else ""
     return (
         '<h2 id="evidence">Evidence, cause by cause</h2>'
-        '<p class="how">Each cause of the library, fitted alone. Evidence is the drop of the '
-        "whitened sum of squares, as far as it speaks for the cause: 0 of 31 where what the model "
-        "may be off by explains as much, or where counts should be lost by chance and do not "
-        "scatter. p is the probability that the whole library would show as much evidence, with as "
-        f"many parameters, where nothing is wrong.</p>{candidates_table(diagnosis)}{untested}"
+        '<p class="how">Each cause of the library, fitted alone. Evidence is by how much the cause '
+        "lowers the sum of the squares of what is left, in units of the noise that is usual there."
+        f"{partly} p is the probability that the whole library would show as much evidence, with "
+        "as many parameters, where nothing is wrong.</p>"
+        f"{candidates_table(diagnosis)}{untested}"
     )
 
 
@@ -177,17 +207,16 @@ def next_section(diagnosis: Diagnosis) -> str:
     """
     proposal = diagnosis.next_experiment
     if proposal is None:
-        says = "None is proposed: no causes are left that a sweep would tell apart."
-        return f'<h2 id="next">The next experiment</h2><p>{says}</p>'
-    odds = ""
-    if "odds_before" in proposal:
-        before, after = (probability_of(proposal[key]) for key in ("odds_before", "odds_after"))
-        odds = (
-            f"<p>Odds of telling them apart: <b>{before}</b> with these runs, "
-            f"<b>{after}</b> with that sweep, if the simulation is right in all else.</p>"
+        why = why_no_experiment(diagnosis)
+        return f'<h2 id="next">The next experiment</h2><p>{why[0].upper()}{why[1:]}.</p>'
+    odds, said = odds_of(proposal), ""
+    if odds is not None:
+        said = (
+            f"<p>Odds of telling them apart: <b>{odds[0]}</b> with these runs, "
+            f"<b>{odds[1]}</b> with that sweep, if the simulation is right in all else.</p>"
         )
     return (
-        f'<h2 id="next">The next experiment</h2><p>{escaped(proposal["says"])}</p>{odds}'
+        f'<h2 id="next">The next experiment</h2><p>{escaped(proposal["says"])}</p>{said}'
         "<p>Save this as <code>next.yaml</code> and run <code>usmbench sweep next.yaml --bench "
         f"BENCH.yaml</code>; then diagnose the new run together with these.</p>"
         f"<pre>{plan_text(proposal['plan'])}</pre>"

@@ -1,7 +1,10 @@
 """What the errors and the noise of a diagnosis say, and what of them is news."""
 
+from usmbench.diagnose.evidence import NamedCause
+from usmbench.diagnose.naming.remainder import LOUD
 from usmbench.diagnose.result import Diagnosis
-from usmbench.report.diagnosis_text import number, times
+from usmbench.model.effects.registry import find_effect
+from usmbench.report.numbers_text import number, spelled, times
 
 _NO_NEWS = "the simulation misses as much on its own runs, or healthy runs differ by as much"
 
@@ -40,7 +43,23 @@ def what_is_left(diagnosis: Diagnosis) -> str:
             f"and what a figure above shows beyond its grey band ({times(beyond)} at the most) is "
             "little beside what was there, or chance"
         )
+    where = f"{left} are left, where the bench's noise far from steps is {noise}."
+    if diagnosis.left_over <= LOUD:
+        return f"{where} The difference is no news: {_NO_NEWS}, {news}."
+    usual = f"That is {times(diagnosis.left_over)} what the simulation misses on its own runs."
+    struck = [spelled(cause.name) for cause in diagnosis.causes if _by_chance(cause)]
+    if struck:
+        return (
+            f"{where} {usual} No simulation foresees which windows {' and '.join(struck)} "
+            "strikes: they count in full."
+        )
     return (
-        f"{left} are left, where the bench's noise far from steps is {noise}. The difference is no "
-        f"news: {_NO_NEWS}, {news}."
+        f"{where} {usual} No test tells it from what may differ between days, {news}: of these "
+        "runs the simulation is no better than that."
     )
+
+
+def _by_chance(cause: NamedCause) -> bool:
+    """Whether a cause acts where no simulation foresees it."""
+    effect = find_effect(cause.name, cause.form)
+    return effect.sporadic or effect.by_chance

@@ -93,6 +93,56 @@ def test_evidence_that_does_not_count_is_told_from_what_does(
     assert "0 of 30.6" in read(show(make_diagnosis(candidates=(discounted,)))).text
 
 
+def test_a_second_number_of_the_evidence_is_explained_where_there_is_one(
+    make_diagnosis: Make, show: Callable[[Diagnosis], str]
+) -> None:
+    explained = "Where a second, larger number follows"
+    assert explained not in read(show(make_diagnosis())).text
+    discounted = replace(make_diagnosis().candidates[1], misfit=50.0)
+    assert explained in read(show(make_diagnosis(candidates=(discounted,)))).text
+
+
+def test_the_figure_of_which_the_cause_removes_most_comes_first(
+    make_diagnosis: Make, show: Callable[[Diagnosis], str]
+) -> None:
+    """However far another leaves a band that is narrow."""
+    told = make_diagnosis().views[0]
+    narrow = replace(told, versus="angle", before_rad_s=0.1 * told.before_rad_s, excess_before=9.0)
+    views = (narrow, told)
+    named = show(make_diagnosis(views=views))
+    assert re.findall("Against (lag|angle)", named) == ["lag", "angle"]
+    assert "of which the cause removes most comes first" in named
+    unnamed = show(make_diagnosis(views=views, causes=(), verdict="unexplained"))
+    assert re.findall("Against (lag|angle)", unnamed) == ["angle", "lag"]
+    assert "that leaves its band farthest comes first" in unnamed
+
+
+def test_what_a_share_of_the_error_is_of_is_said_once(
+    make_diagnosis: Make, show: Callable[[Diagnosis], str]
+) -> None:
+    assert read(show(make_diagnosis())).text.count("one of its mean square above") == 1
+    assert "mean square above" not in read(show(make_diagnosis(causes=()))).text
+
+
+def test_every_line_of_a_run_is_in_its_legend(
+    make_diagnosis: Make, show: Callable[[Diagnosis], str]
+) -> None:
+    section = show(make_diagnosis()).split('id="runs"')[1].split("<h2")[0]
+    legend, figures = section.split("<figure>", 1)
+    drawn = set(re.findall(r'<path class="((?:measured|before|after)[ a-z]*)"', figures))
+    assert drawn == set(re.findall(r'<path class="([^"]*)"', legend))
+    assert "before dense" in drawn
+
+
+def test_the_drive_is_no_column_that_is_not_used(
+    make_diagnosis: Make, record: Record, model: HammersteinModel
+) -> None:
+    run = replace(record, extra={"drive_on": np.ones(400), "humidity": np.ones(400)})
+    text = read(diagnosis_page(make_diagnosis(), [run], model, {})).text
+    assert "humidity" in text
+    assert "drive_on" not in text
+
+
 def test_a_wave_is_shown_by_its_amplitude(
     make_diagnosis: Make, show: Callable[[Diagnosis], str]
 ) -> None:
@@ -166,6 +216,7 @@ def test_each_verdict_has_its_words(
     changes = {"causes": alone} if named else nothing
     text = read(show(make_diagnosis(verdict=verdict, **changes))).text
     assert HEADLINES[verdict] in text
+    assert ("None is proposed: no causes are left that a sweep would tell apart." in text) != named
     assert ("simulation with the cause in it" in text) == named
     assert ("do not take anything apart" in text) == (verdict == "unexplained")
 

@@ -40,3 +40,17 @@ def test_nothing_larger_than_the_noise_is_left_where_they_are_equal(make_diagnos
 def test_a_remainder_says_what_it_is(make_diagnosis: Make) -> None:
     said = what_is_left(make_diagnosis())
     assert said == "Something is left: the residual changes over the run."
+
+
+def test_an_error_beyond_that_of_the_own_runs_is_not_called_usual(make_diagnosis: Make) -> None:
+    said = what_is_left(make_diagnosis(remainder=None, left_over=6.6))
+    assert "That is 6.6\N{NO-BREAK SPACE}× what the simulation misses on its own runs." in said
+    assert "no news" not in said
+    assert "misses as much" not in said
+
+
+def test_what_a_cause_does_by_chance_is_no_difference_between_days(make_diagnosis: Make) -> None:
+    glitches = replace(make_diagnosis().causes[0], name="count_glitches", alternatives=())
+    said = what_is_left(make_diagnosis(remainder=None, left_over=6.6, causes=(glitches,)))
+    assert "foresees which windows count glitches strikes" in said
+    assert "between days" not in said
