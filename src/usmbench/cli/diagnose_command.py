@@ -8,7 +8,8 @@ from pathlib import Path
 import yaml
 
 from usmbench.cli.deciding_runs import Judged, check_bench, decide, judge
-from usmbench.cli.each_run import Entry, diagnose_each, each_table
+from usmbench.cli.diagnosis_lines import diagnosis_lines
+from usmbench.cli.each_run import Entry, diagnose_each, each_table, each_warnings
 from usmbench.cli.executors import all_cores, cluster
 from usmbench.cli.json_output import write_json
 from usmbench.cli.output import complain, warn
@@ -127,7 +128,7 @@ def _say(args: argparse.Namespace, judged: Judged) -> None:
     """Say what was found, unless standard output is for the JSON alone."""
     warn(judged.diagnosis.warnings)
     if args.json != "-":
-        print(_lines(judged.diagnosis), flush=True)
+        print(diagnosis_lines(judged.diagnosis), flush=True)
 
 
 def _run_each(args: argparse.Namespace) -> int:
@@ -145,7 +146,7 @@ def _run_each(args: argparse.Namespace) -> int:
                 print(f"\r{n_done} of {len(entries)} runs", end="", file=sys.stderr, flush=True)
     if sys.stderr.isatty():
         print(file=sys.stderr)
-    warn(warning for entry in entries for warning in entry.get("warnings", ()))
+    warn(each_warnings(entries))
     if args.json:
         write_json(args.json, {"runs": entries})
     if args.json != "-":
@@ -196,41 +197,3 @@ def _write_plan(file: Path, found: Diagnosis) -> None:
         return
     plan = yaml.safe_dump(found.next_experiment["plan"], sort_keys=False, width=100)
     write_output(file, f"# {found.next_experiment['says']}\n{plan}")
-
-
-def _lines(found: Diagnosis) -> str:
-    """Say what was found."""
-    lines = [f"verdict    {found.verdict}"]
-    for cause in found.causes:
-        sizes = ", ".join(
-            f"{p.name} {p.value:.4g} ({p.low:.4g} … {p.high:.4g})" for p in cause.parameters
-        )
-        said = ", ".join(part for part in (sizes, cause.form) if part)
-        lines.append(f"cause      {cause.name}{': ' + said if said else ''}")
-        lines.append(f"           {cause.meaning}")
-        lines.append(f"           {cause.mend}")
-        lines += [f"           {p.name}: {p.what}" for p in cause.parameters if p.what]
-        lines += [
-            f"           {p.name} {p.value:.4g} ({p.low:.4g} … {p.high:.4g}): {p.what}"
-            for p in cause.waves
-        ]
-        if cause.alternatives:
-            lines.append(f"           cannot be told from {', '.join(cause.alternatives)}")
-    lines.append(
-        f"RMSE       {found.rmse_simulation_rad_s:.4g} rad/s, extended "
-        f"{found.rmse_extended_rad_s:.4g}, noise {found.noise_floor_rad_s:.4g} (held out)"
-    )
-    if found.causes:
-        lines.append(f"gain       {found.gain:.3f} ({found.gain_low:.3f} … {found.gain_high:.3f})")
-    if found.remainder is not None:
-        lines.append(f"remainder  {found.remainder.says}")
-    if found.next_experiment is not None:
-        proposal = found.next_experiment
-        lines.append(f"next       {proposal['says']}")
-        lines.append(
-            f"           odds of telling them apart {proposal['odds_before']:.2f}, then "
-            f"{proposal['odds_after']:.2f}"
-        )
-    for name, reason in found.not_testable:
-        lines.append(f"not tested {name}: {reason}")
-    return "\n".join(lines)

@@ -1,7 +1,8 @@
 """Diagnose many runs, each on its own, wherever they are worked on."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +40,7 @@ def diagnose_each(
         ``run`` and ``error``, one line. Where nothing is done for half an hour, the rest fails.
     """
     places: dict[Future[Entry], int] = {
-        executor.submit(_diagnosed, run.absolute(), model, __version__): place
+        executor.submit(_diagnosed, run.absolute(), str(run), model, __version__): place
         for place, run in enumerate(runs)
     }
     waiting = set(places)
@@ -52,14 +53,16 @@ def diagnose_each(
             yield place, {"run": str(runs[place]), **_outcome(future)}
 
 
-def _diagnosed(run: Path, model: HammersteinModel, version: str) -> Entry:
+def _diagnosed(run: Path, name: str, model: HammersteinModel, version: str) -> Entry:
     """Diagnose one run, in a worker; a run that will not do is an outcome like any other."""
     if version != __version__:
         return {"error": f"the worker has usmbench {__version__}; install {version} there"}
     try:
-        return judge([read_run(run)], model).diagnosis.to_json()
+        record = replace(read_run(run), name=name)
+        return judge([record], model).diagnosis.to_json()
     except InputError as error:
-        return {"error": printable(str(error))}
+        # What was given, as in the table, not where a worker found it.
+        return {"error": printable(str(error).replace(str(run), name))}
 
 
 def _outcome(future: Future[Entry]) -> Entry:
@@ -70,6 +73,20 @@ def _outcome(future: Future[Entry]) -> Entry:
     if error is None:
         return future.result()
     return {"error": printable(f"its worker failed ({type(error).__name__}: {error})")}
+
+
+def each_warnings(entries: Iterable[Entry]) -> Iterator[str]:
+    """Yield the warnings of all runs, each with its run.
+
+    Parameters
+    ----------
+    entries
+        What `diagnose_each` said of each run.
+    """
+    for entry in entries:
+        for warning in entry.get("warnings", ()):
+            run = entry["run"]
+            yield warning if warning.startswith(f"{run}: ") else f"{run}: {warning}"
 
 
 def each_table(entries: Sequence[Entry]) -> str:

@@ -76,7 +76,7 @@ def assert_as_one_by_one(words: list[str], expected: list[dict[str, Any]]) -> No
     assert [entry.pop("run") for entry in entries] == runs
     broken = entries.pop(1)
     assert list(broken) == ["error"]
-    assert "broken.csv:3: " in broken["error"]
+    assert broken["error"].startswith("broken.csv:3: ")  # as it was given
     assert entries == expected
 
 
@@ -215,3 +215,12 @@ def test_a_worker_with_another_version_is_named(
     with executors.all_cores() as pool:
         ((_, entry),) = each_run.diagnose_each([folder / "shifted.csv"], motor(), pool)
     assert entry["error"].endswith("install 99.0 there")
+
+
+def test_a_warning_names_its_run_once() -> None:
+    entries: list[each_run.Entry] = [
+        {"run": "a", "warnings": ["a: it changed", "its angle is that of the counter"]},
+        {"run": "b", "error": "none"},
+    ]
+    said = list(each_run.each_warnings(entries))
+    assert said == ["a: it changed", "a: its angle is that of the counter"]
