@@ -11,7 +11,7 @@ from usmbench.cli.bench_session import SIMULATED, open_bench, settings_of
 from usmbench.cli.live_panel import LivePanel
 from usmbench.cli.runs_folder import new_run_folder
 from usmbench.cli.same_bench import another_motor
-from usmbench.cli.simulated_motor import SimulatedMotor
+from usmbench.cli.simulated_motor import MODEL_FILE, SimulatedMotor
 from usmbench.cli.sweep_run import sweep_new
 from usmbench.diagnose.experiment.next_experiment import propose
 from usmbench.diagnose.pipeline import diagnose
@@ -99,16 +99,28 @@ def check_bench(records: Sequence[Record], bench: str, runs: Path) -> list[str]:
         why = _another_bench(record, bench, settings)
         if why is not None:
             raise InputError(f"{record.name}: {why}; name the bench that measured it")
-    if bench == SIMULATED and len({SimulatedMotor.of_run(r.meta).defects for r in records}) > 1:
-        raise InputError(
-            "the runs are of different simulated motors (their run.yaml name different defects); "
-            "diagnose those of one motor"
-        )
+    if bench == SIMULATED:
+        _check_simulated(records)
     return [
         f"{record.name} does not say on which bench it was measured: taken to be {bench}"
         for record in records
         if "bench" not in record.meta
     ]
+
+
+def _check_simulated(records: Sequence[Record]) -> None:
+    """Refuse runs of more than one simulated motor, or of one that run.yaml cannot make again."""
+    for record in records:
+        if record.meta.get(MODEL_FILE) is not None:
+            raise InputError(
+                f"{record.name}: its simulated motor followed a model file; drive the proposed "
+                f"plan by usmbench sweep --bench {SIMULATED} --model, and diagnose both runs"
+            )
+    if len({SimulatedMotor.of_run(r.meta).defects for r in records}) > 1:
+        raise InputError(
+            "the runs are of different simulated motors (their run.yaml name different defects); "
+            "diagnose those of one motor"
+        )
 
 
 def _another_bench(record: Record, bench: str, settings: BenchSettings) -> str | None:

@@ -60,6 +60,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=f"something wrong with the motor of the {SIMULATED} bench (python -m hil_sim --help)",
     )
     parser.add_argument(
+        "--model",
+        metavar="MODEL.yaml",
+        help=f"the motor of the {SIMULATED} bench as a model file says, without noise",
+    )
+    parser.add_argument(
         "--frame-log", type=Path, metavar="FILE", help="log every frame on the line"
     )
 
@@ -82,7 +87,7 @@ def run(args: argparse.Namespace) -> int:
         The bench failed; likewise.
     """
     _check_arguments(args)
-    check_outputs({"--frame-log": args.frame_log}, [args.plan, args.bench])
+    check_outputs({"--frame-log": args.frame_log}, [args.plan, args.bench, args.model])
     if args.resume is not None:
         return _resume(args)
     plan = load_plan(args.plan)
@@ -108,7 +113,7 @@ def _check_arguments(args: argparse.Namespace) -> None:
         raise InputError("no plan was named; give a plan file, or --resume RUN")
     if args.bench is None and not args.dry_run:
         raise InputError(f"no bench was named; give --bench BENCH.yaml or --bench {SIMULATED}")
-    for name in ("seed", "defect"):
+    for name in ("seed", "defect", "model"):
         if getattr(args, name) not in (None, []) and args.bench != SIMULATED:
             raise InputError(f"--{name} is for --bench {SIMULATED}; leave it out")
 
@@ -121,7 +126,7 @@ def _check_absent(folder: Path) -> None:
 
 def _drive(args: argparse.Namespace, bench: str | BenchSettings, plan: Plan, folder: Path) -> int:
     """Open the bench and drive the plan, anew or again."""
-    motor = SimulatedMotor(args.seed, tuple(args.defect))
+    motor = SimulatedMotor(args.seed, tuple(args.defect), args.model)
     # The guard reaches round the bench: closing it must not be cut short either.
     with (
         _frame_log(args.frame_log) as log,
@@ -167,7 +172,11 @@ def _resume(args: argparse.Namespace) -> int:
     taken_up = meta.get("resumed")
     later = 1 + (len(taken_up) if isinstance(taken_up, list) else 0)
     # The same noise twice in a run would look like a cause.
-    motor = SimulatedMotor.of_run(meta, later=later) if bench == SIMULATED else SimulatedMotor()
+    motor = SimulatedMotor()
+    if bench == SIMULATED:
+        motor = SimulatedMotor.of_run(meta, later=later, model=args.model)
+    elif args.model is not None:
+        raise InputError(f"--model is for --bench {SIMULATED}; leave it out")
     args.seed, args.defect = motor.seed, motor.defects
     return _drive(args, bench, plan, folder)
 

@@ -248,6 +248,9 @@ def test_runs_of_two_simulated_motors_are_refused_and_a_run_of_no_known_bench_is
     two = [replace(triangle, meta={**meta, "defects": [d]}) for d in ("a=1", "b=1")]
     with pytest.raises(InputError, match="different simulated motors"):
         deciding_runs.check_bench(two, "simulated", tmp_path)
+    followed = replace(triangle, meta={**meta, "model_file": "m.yaml"})
+    with pytest.raises(InputError, match="followed a model file; drive the proposed plan"):
+        deciding_runs.check_bench([followed], "simulated", tmp_path)
     assert len(deciding_runs.check_bench([triangle], "simulated", tmp_path)) == 1
 
 

@@ -138,6 +138,16 @@ def test_ctrl_c_closes_the_run_and_resume_ends_it(
     assert "nothing to resume" in capsys.readouterr().err
 
 
+def test_the_simulated_motor_may_be_a_model_file(
+    opened: Opened, plan: Path, tmp_path: Path
+) -> None:
+    folder = tmp_path / "out"
+    words = ["--bench", "simulated", "--model", "extended.yaml", "--out", str(folder)]
+    assert main(["sweep", str(plan), *words]) == 0
+    assert opened.arguments[0][1] == ["--model", "extended.yaml"]
+    assert yaml.safe_load((folder / "run.yaml").read_text())["model_file"] == "extended.yaml"
+
+
 def test_a_dry_run_opens_nothing(
     opened: Opened, plan: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -162,6 +172,7 @@ def wrong(plan: Path, **keys: object) -> Path:
         (["plan.yaml", "--bench", "plan.yaml"], "write usmbench-bench/1"),
         (["plan.yaml", "--bench", "bench.yaml", "--seed", "3"], "leave it out"),
         (["plan.yaml", "--bench", "bench.yaml", "--defect", "spikes"], "leave it out"),
+        (["plan.yaml", "--bench", "bench.yaml", "--model", "m.yaml"], "leave it out"),
         (["plan.yaml", "--bench", "simulated", "--out", "."], "exists already"),
         (["plan.yaml", "--resume", "out"], "leave PLAN.yaml out"),
         (["--resume", "out", "--dry-run"], "leave --dry-run out"),
