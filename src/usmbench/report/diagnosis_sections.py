@@ -107,8 +107,8 @@ def views_section(diagnosis: Diagnosis) -> str:
     views: Sequence[View] = diagnosis.views
     first = "that leaves its band farthest"
     if extended:
-        views = sorted(views, key=_removed_square, reverse=True)
-        first = "of which the cause removes most"
+        views = sorted(views, key=_taken_square, reverse=True)
+        first = "in which the cause shows most"
     figures = "".join(_view(view, extended=extended) for view in views)
     return (
         '<h2 id="views">What gave it away</h2>'
@@ -119,12 +119,12 @@ def views_section(diagnosis: Diagnosis) -> str:
     )
 
 
-def _removed_square(view: View) -> float:
-    """Sum of squares that the named causes take out of a view, in (rad/s)².
+def _taken_square(view: View) -> float:
+    """Sum of squares of what the named causes take out of a view, in (rad/s)².
 
-    Bands differ too much for these to compare: a narrow one is left by what hardly is there.
+    Not in units of its band: a narrow one is left by what hardly is there.
     """
-    return float(np.sum(view.n_windows * (view.before_rad_s**2 - view.after_rad_s**2)))
+    return float(np.sum(view.n_windows * (view.before_rad_s - view.after_rad_s) ** 2))
 
 
 def _view(view: View, *, extended: bool) -> str:

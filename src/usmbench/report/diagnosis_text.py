@@ -3,6 +3,7 @@
 import html
 
 from usmbench.diagnose.evidence import NamedCause
+from usmbench.diagnose.naming.remainder import LOUD
 from usmbench.diagnose.result import Diagnosis
 from usmbench.report.numbers_text import BLANK, percent, quantity, sized, spelled
 
@@ -53,6 +54,11 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     """
     n = f"{diagnosis.n_windows:,}".replace(",", BLANK)
     if diagnosis.verdict == "no_discrepancy":
+        if diagnosis.left_over > LOUD:
+            return (
+                f"Over {n} windows the simulation misses more than on its own runs, and no test "
+                "tells that from what may differ between days."
+            )
         return (
             f"Over {n} windows the motor does what its simulation says: the error is noise, and "
             "what the simulation misses on its own runs or healthy runs differ by."

@@ -102,7 +102,7 @@ def test_a_second_number_of_the_evidence_is_explained_where_there_is_one(
     assert explained in read(show(make_diagnosis(candidates=(discounted,)))).text
 
 
-def test_the_figure_of_which_the_cause_removes_most_comes_first(
+def test_the_figure_in_which_the_cause_shows_most_comes_first(
     make_diagnosis: Make, show: Callable[[Diagnosis], str]
 ) -> None:
     """However far another leaves a band that is narrow."""
@@ -111,7 +111,7 @@ def test_the_figure_of_which_the_cause_removes_most_comes_first(
     views = (narrow, told)
     named = show(make_diagnosis(views=views))
     assert re.findall("Against (lag|angle)", named) == ["lag", "angle"]
-    assert "of which the cause removes most comes first" in named
+    assert "in which the cause shows most comes first" in named
     unnamed = show(make_diagnosis(views=views, causes=(), verdict="unexplained"))
     assert re.findall("Against (lag|angle)", unnamed) == ["angle", "lag"]
     assert "that leaves its band farthest comes first" in unnamed
