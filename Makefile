@@ -37,7 +37,7 @@ browser:
 
 # The picture in README, of the demonstration's report.
 picture: demo browser
-	chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1100,1060 \
+	chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1100,1090 \
 	  --screenshot=docs/images/report.png "file://$(CURDIR)/demo/report.html"
 
 # The documentation as a site; its code blocks are run by the tests.
