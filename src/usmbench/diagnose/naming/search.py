@@ -60,6 +60,9 @@ def search(
         problem, left, best = _with_its_noise(stretches, known, own, effects)
     weighed = _Weighed.of(problem, left, best, effects)
     named, found = weighed.one_by_one(effects)
+    cleaner = _leaves_nothing(weighed, found, effects)
+    if cleaner is not None:
+        return cleaner
     unclear = _unclear(found)
     if unclear and _mostly_left_out(found):
         every = problem.with_masks([s.use for s in stretches])
@@ -139,6 +142,25 @@ class _Weighed:
         after = doubted_test(named.problem, named.fit.effects, named.spread)
         ranked, names = self.ranked, named.rankings
         return Found(named.problem, named.spread, ranked, names, named.fit, before, after)
+
+
+def _leaves_nothing(weighed: _Weighed, found: Found, effects: Sequence[Effect]) -> Found | None:
+    """Begin with what fits better and has a misfit, if it leaves nothing where the name does.
+
+    A counter may lose the same share of each window, without the scatter that chance leaves.
+    """
+    if not found.named or not found.after.material:
+        return None
+    lead = found.named[0][0]
+    for rival in weighed.ranked:
+        if rival.misfit <= 0.0 or rival.statistic <= lead.statistic:
+            continue
+        ranked = [rival, *(r for r in weighed.ranked if r is not rival)]
+        other = weighed.found(name_causes(weighed.problem, ranked, effects, weighed.spread))
+        begins = other.names[:1] == (rival.effect.name,)
+        if begins and not other.after.material and verdict_on(other, None) == "explained":
+            return other
+    return None
 
 
 def _struck_by_chance(
