@@ -36,7 +36,7 @@ class ModelPlant:
     Raises
     ------
     usmbench.errors.InputError
-        The model has no time step, or an effect that is not installed.
+        The model has no time step, or an effect that is not installed or fails.
     """
 
     def __init__(self, model: HammersteinModel, disc: DiscParameters | None = None):

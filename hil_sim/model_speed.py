@@ -65,7 +65,7 @@ class ModelSpeed:
     Raises
     ------
     usmbench.errors.InputError
-        The model has no time step, or an effect that is not installed.
+        The model has no time step, or an effect that is not installed or fails.
     """
 
     def __init__(self, model: HammersteinModel):
@@ -82,6 +82,14 @@ class ModelSpeed:
         self._ahead: NDArray[np.float64] = np.zeros(0)
         self._taken = 0
         self._forgotten_rad = 0.0
+        self._try_out()
+
+    def _try_out(self) -> None:
+        """Run a window and forget it: what an effect fails at is told before anybody waits."""
+        point = self._model.points[0]
+        at = (point.frequency_hz or 0.0, point.torque_nm or 0.0)
+        self.speed_rad_s(Window(self.window_s, 0.0, *at, driven=True))
+        self._past, self._ahead, self._taken = [], np.zeros(0), 0
 
     def speed_rad_s(self, window: Window) -> float:
         """Return the mean speed of the next window.

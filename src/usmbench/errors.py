@@ -31,6 +31,10 @@ class InputError(UsmbenchError):
         self.line = line
 
 
+class CauseError(InputError):
+    """A cause that a package of the user's own registers cannot be loaded or is wrong (exit 2)."""
+
+
 class BenchError(UsmbenchError):
     """The bench failed while in use; the drive has been, or is being, switched off (exit 3)."""
 

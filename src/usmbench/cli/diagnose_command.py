@@ -16,6 +16,7 @@ from usmbench.cli.output import complain, warn
 from usmbench.cli.runs_folder import RUNS_FOLDER
 from usmbench.diagnose.result import Diagnosis
 from usmbench.errors import InputError
+from usmbench.model.effects.registry import library
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.model_file import read_model, write_model
 from usmbench.runs.output_files import write_output
@@ -137,6 +138,7 @@ def _run_each(args: argparse.Namespace) -> int:
         if getattr(args, name) is not None:
             raise InputError(f"--{name} is for one diagnosis; with --each there is one a run")
     model = read_model(args.model)
+    library()  # what is wrong with a cause is no run's fault
     entries: list[Entry] = [{}] * len(args.runs)
     with all_cores() if args.scheduler is None else cluster(args.scheduler) as executor:
         found = diagnose_each(args.runs, model, executor)

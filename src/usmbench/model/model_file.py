@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from usmbench.errors import InputError
+from usmbench.errors import CauseError, InputError
 from usmbench.model.extended import applied_effects
 from usmbench.model.hammerstein import (
     HammersteinModel,
@@ -71,6 +71,8 @@ def read_model(path: Path) -> HammersteinModel:
     model = replace(from_mapping(source.document), name=str(path))
     try:
         applied_effects(model.effects)
+    except CauseError:
+        raise  # no fault of the file's
     except InputError as error:
         raise source.error(("effects",), str(error)) from error
     return model

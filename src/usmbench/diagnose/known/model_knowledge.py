@@ -15,7 +15,7 @@ from usmbench.diagnose.known.shapes import TABLED, phase_nodes
 from usmbench.diagnose.known.triangle_text import triangle_of, triangle_text
 from usmbench.diagnose.known.wander import LEAST, wander_from_mapping, wander_of_shares
 from usmbench.diagnose.noise.noise_model import noise_from_mapping
-from usmbench.errors import InputError
+from usmbench.errors import CauseError, InputError
 from usmbench.model.extended import applied_effects
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.operating_points import places_among
@@ -75,6 +75,8 @@ def knowledge_of(model: HammersteinModel) -> Knowledge:
     check(source, "diagnosis")
     try:
         return _knowledge(content, len(model.points))
+    except CauseError:
+        raise  # no fault of the file's
     except (ValueError, InputError) as error:
         raise source.error((), f"{error}; identify the model again") from error
 

@@ -16,12 +16,13 @@ counter    the speed ω that the counter will report           encoder, card
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.model.effects.context import Context
+from usmbench.model.effects.guarded import guard
 from usmbench.model.effects.parameter import Parameter, Wave
 from usmbench.model.hammerstein import LinearPart
 
@@ -55,6 +56,11 @@ class Effect(ABC):
     form_off: ClassVar[float] = PHYSICS  # share of itself by which its form may be off
     early: ClassVar[bool] = False  # the other effects of its stage act on what it leaves
     sporadic: ClassVar[bool] = False  # it acts on single windows; see `SporadicEffect`
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        """See that a cause of the user's own tells in one line what it does wrong."""
+        super().__init_subclass__(**options)
+        guard(cls)
 
     @abstractmethod
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
