@@ -43,9 +43,8 @@ def write_model(path: Path, model: HammersteinModel) -> None:
         The file cannot be written.
     """
     head = f"# A Hammerstein model of a travelling-wave ultrasonic motor, method {model.method}.\n"
-    text = head + yaml.dump(
-        to_mapping(model), Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100
-    )
+    content = to_mapping(model) | {"effects": _Bracketed(model.effects)}
+    text = head + yaml.dump(content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100)
     write_output(path, text)
 
 
@@ -64,6 +63,7 @@ def read_model(path: Path) -> HammersteinModel:
     """
     source = read_source(path, _MOST_BYTES)
     _check_format(source.document, path)
+    _check_whole(source)
     check(source, "model")
     _check_linear(source)
     for index, point in enumerate(source.document["points"]):
@@ -150,6 +150,16 @@ def _check_format(content: object, path: Path) -> None:
         )
 
 
+def _check_whole(source: Source) -> None:
+    """Refuse a file without its last key: short of its effects it is the model of another motor."""
+    if source.document.get("effects") is None:
+        message = (
+            "has no key effects: was the file cut off? Copy it again, or identify the model again; "
+            "to a model of your own without effects add effects: []"
+        )
+        raise source.error((), message)
+
+
 def _check_linear(source: Source) -> None:
     """Refuse dynamics that run away or do nothing, and a torque limit beside anything but a lag."""
     linear = source.document["linear"]
@@ -224,6 +234,10 @@ def _optional(value: Any) -> float | None:
     return None if value is None else float(value)
 
 
+class _Bracketed(list[Any]):
+    """A list that is no YAML where the file is cut off within it."""
+
+
 class _Dumper(yaml.SafeDumper):
     """Lists of numbers on one line, everything else in blocks."""
 
@@ -233,4 +247,9 @@ def _one_line_numbers(dumper: yaml.SafeDumper, values: list[Any]) -> yaml.Node:
     return dumper.represent_sequence("tag:yaml.org,2002:seq", values, flow_style=flat)
 
 
+def _in_brackets(dumper: yaml.SafeDumper, values: _Bracketed) -> yaml.Node:
+    return dumper.represent_sequence("tag:yaml.org,2002:seq", values, flow_style=True)
+
+
 _Dumper.add_representer(list, _one_line_numbers)
+_Dumper.add_representer(_Bracketed, _in_brackets)

@@ -101,6 +101,44 @@ def test_a_spoilt_file_is_refused_by_name(tmp_path: Path, old: str, new: str, wo
         assert caught.value.line is not None
 
 
+def test_a_file_that_was_cut_off_is_no_model(tmp_path: Path) -> None:
+    """Wherever the cut is: short of an effect, it would be the file of another motor."""
+    path = tmp_path / "model.yaml"
+    late = {"name": "transport_delay", "form": "", "parameters": {"delay_s": 0.5}}
+    write_model(path, replace(model(), effects=(*model().effects, late)))
+    text = path.read_text(encoding="utf-8").rstrip()
+    first = text.index("method:")
+    for end in range(first, len(text)):
+        path.write_text(text[:end], encoding="utf-8")
+        with pytest.raises(InputError, match=r"was the file cut off\?|is not YAML|not plain"):
+            read_model(path)
+    path.write_text(text, encoding="utf-8")
+    assert read_model(path).effects == (*model().effects, late)
+
+
+@pytest.mark.parametrize("end", ["", "effects:\n", "effects: null\n"])
+def test_what_stands_before_the_effects_is_not_enough(tmp_path: Path, end: str) -> None:
+    path = tmp_path / "model.yaml"
+    write_model(path, model())
+    before = path.read_text(encoding="utf-8").partition("effects:")[0]
+    path.write_text(before + end, encoding="utf-8")
+    with pytest.raises(
+        InputError, match=r"no key effects: was the file cut off\? .* effects: \[\]$"
+    ):
+        read_model(path)
+    path.write_text(before + "effects: []\n", encoding="utf-8")
+    assert read_model(path).effects == ()
+
+
+def test_effects_one_below_the_other_are_read_too(tmp_path: Path) -> None:
+    path = tmp_path / "model.yaml"
+    write_model(path, model())
+    before = path.read_text(encoding="utf-8").partition("effects:")[0]
+    below = "effects:\n- name: phase_offset\n  parameters:\n    offset_deg: 2.0\n"
+    path.write_text(before + below, encoding="utf-8")
+    assert read_model(path).effects == model().effects
+
+
 def test_a_missing_file_and_a_folder_that_is_none_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="cannot be read"):
         read_model(tmp_path / "none.yaml")
