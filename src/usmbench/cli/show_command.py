@@ -10,7 +10,6 @@ from usmbench.cli.plot_argument import add_plot_argument
 from usmbench.report.plain_text import printable
 from usmbench.report.plot_format import plot_format
 from usmbench.runs.check_record import changed_since_closed
-from usmbench.runs.meta import said_motor
 from usmbench.runs.output_paths import check_outputs
 from usmbench.runs.reader import read_run
 from usmbench.runs.record import Record
@@ -68,7 +67,7 @@ def _lines(record: Record, plot: Path) -> list[tuple[str, str]]:
     meta, speed = record.meta, record.speed_rad_s
     plan = meta.get("plan")
     lines = [("run", record.name)]
-    said = {**meta, "motor": said_motor(meta)}
+    said = {**meta, "motor": record.motor}
     lines += [(key, str(said[key])) for key in _META if said.get(key) is not None]
     if isinstance(plan, dict) and plan.get("name") is not None:
         lines.append(("plan", str(plan["name"])))

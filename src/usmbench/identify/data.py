@@ -74,11 +74,17 @@ class FittedRun:
         Its id in run.yaml; None for a bare CSV.
     rows
         Number of rows taken from it.
+    motor
+        Its motor in run.yaml; None where that does not say.
+    counts_per_rev
+        Counts of one revolution of its encoder; None where run.yaml does not say.
     """
 
     name: str
     id: str | None
     rows: int
+    motor: str | None = None
+    counts_per_rev: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -36,8 +36,8 @@ def from_windows(records: Sequence[Record]) -> Dataset:
     Raises
     ------
     InputError
-        A value that is no number, runs of different motors or windows, too few windows that were
-        driven, or too few phases.
+        A value that is no number, runs of different motors, encoders or windows, too few
+        windows that were driven, or too few phases.
     """
     window_s = float(np.median(records[0].window_s))
     found: list[tuple[Point, Segment]] = []
@@ -224,7 +224,8 @@ def _points_without_data(record: Record, found: Sequence[Point]) -> list[str]:
 
 def _fitted(record: Record, rows: int) -> FittedRun:
     identity = record.meta.get("id")
-    return FittedRun(record.name, None if identity is None else str(identity), rows)
+    own = None if identity is None else str(identity)
+    return FittedRun(record.name, own, rows, record.motor, record.counts_per_rev)
 
 
 def _point(record: Record, row: int) -> Point:

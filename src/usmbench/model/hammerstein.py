@@ -145,7 +145,7 @@ class HammersteinModel:
     method
         How it was identified.
     fitted_on
-        One mapping a run: name, id, rows.
+        One mapping a run: name, id, rows, and the motor and counts_per_rev that it said.
     residual
         The residual's level and colour: free-run and one-step RMSE, AR coefficients.
     intervals

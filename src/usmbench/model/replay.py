@@ -10,6 +10,7 @@ from usmbench.errors import InputError
 from usmbench.model.driving import driving_of, stops
 from usmbench.model.effects.context import middle_rad
 from usmbench.model.hammerstein import HammersteinModel
+from usmbench.model.same_motor import another_motor
 from usmbench.model.same_windows import check_windows
 from usmbench.model.scores import fit_percent, rmse
 from usmbench.model.simulate import Simulation, simulate
@@ -67,7 +68,8 @@ def replay_record(record: Record, model: HammersteinModel) -> Replay:
         outside the model's range.
     """
     check_numbers(record)
-    warnings = [*changed_since_closed([record]), *_check_windows(record, model)]
+    warnings = [*changed_since_closed([record]), *another_motor([record], model)]
+    warnings += _check_windows(record, model)
     warnings += angle_warnings(record)
     parts = [
         simulation for part in cold_starts(record, 1) for simulation in _simulated(part, model)

@@ -24,7 +24,7 @@ from usmbench.report.diagnosis_tables import (
 )
 from usmbench.report.diagnosis_text import escaped, headline, verdict_sentence
 from usmbench.runs.columns import WINDOWS_FILE
-from usmbench.runs.meta import said_motor, sha256_of
+from usmbench.runs.meta import sha256_of
 from usmbench.runs.output_files import write_output
 from usmbench.runs.record import Record
 
@@ -112,7 +112,7 @@ def _sections(
     driven: Sequence[tuple[str, str]],
 ) -> Iterator[str]:
     """Yield the page's parts from top to bottom."""
-    motors = list(dict.fromkeys(m for r in records if (m := said_motor(r.meta)) is not None))
+    motors = list(dict.fromkeys(r.motor for r in records if r.motor is not None))
     of = f" of {escaped(', '.join(motors))}" if motors else ""
     yield f"<h1>usmbench diagnosis{of}</h1>"
     yield (

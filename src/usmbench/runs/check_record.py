@@ -6,7 +6,6 @@ from hashlib import sha256
 import numpy as np
 
 from usmbench.errors import InputError
-from usmbench.runs.meta import said_motor
 from usmbench.runs.record import Record
 
 _COLUMNS = ("t_s", "phase_deg", "speed_rad_s", "frequency_hz", "torque_nm", "angle_rad")
@@ -41,7 +40,7 @@ def check_numbers(record: Record) -> None:
 
 
 def check_together(records: Sequence[Record]) -> None:
-    """Refuse runs of different motors, and a run that is given twice.
+    """Refuse runs of different motors or encoders, and a run that is given twice.
 
     Parameters
     ----------
@@ -51,12 +50,21 @@ def check_together(records: Sequence[Record]) -> None:
     Raises
     ------
     usmbench.errors.InputError
-        They name more than one motor, or two have one id, or the same rows and not an id each.
+        They name more than one motor, or encoders of different counts per revolution; or two have
+        one id, or the same rows and not an id each.
     """
-    motors = {m: r.name for r in records if (m := said_motor(r.meta)) is not None}
-    if len(motors) > 1:
-        said = "; ".join(f"{name} is of {motor}" for motor, name in motors.items())
-        raise InputError(f"these runs do not belong together: {said}; take one motor at a time")
+    motors = {r.motor: f"{r.name} is of {r.motor}" for r in records if r.motor is not None}
+    # Counts that are lost, and teeth that lean, are those of one disc.
+    encoders = {
+        r.counts_per_rev: f"{r.name} has {r.counts_per_rev:.12g} counts per revolution"
+        for r in records
+        if r.counts_per_rev is not None
+    }
+    for said, one in ((motors.values(), "motor"), (encoders.values(), "encoder")):
+        if len(said) > 1:
+            raise InputError(
+                f"these runs do not belong together: {'; '.join(said)}; take one {one} at a time"
+            )
     by_id: dict[str, Record] = {}
     by_rows: dict[bytes, Record] = {}
     for record in records:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.runs.columns import DRIVE_COLUMN
+from usmbench.runs.meta import said_motor
 
 Column = NDArray[np.float64]
 
@@ -85,9 +86,20 @@ class Record:
     changed: tuple[str, ...] = ()
 
     @property
+    def motor(self) -> str | None:
+        """Name of the motor; None where run.yaml does not say."""
+        return said_motor(self.meta)
+
+    @property
+    def counts_per_rev(self) -> float | None:
+        """Counts of one revolution of the encoder; None where run.yaml does not say."""
+        counts: float | None = (self.meta.get("encoder") or {}).get("counts_per_rev")
+        return counts
+
+    @property
     def count_rad(self) -> float | None:
         """Angle of one count; None where run.yaml does not say how many a revolution has."""
-        counts = (self.meta.get("encoder") or {}).get("counts_per_rev")
+        counts = self.counts_per_rev
         return None if counts is None else 2.0 * math.pi / counts
 
     @property

@@ -47,6 +47,19 @@ def test_a_run_that_is_given_twice_is_refused() -> None:
             check_together([first, other, again])
 
 
+def test_runs_of_two_motors_or_two_encoders_are_refused() -> None:
+    def said(name: str, motor: str | None, counts: int | None) -> Record:
+        meta = {"id": name, "motor": motor, "encoder": {"counts_per_rev": counts}}
+        return replace(RECORD, name=name, meta=meta)
+
+    first, unsaid = said("a", "round one", 2000), said("b", None, None)
+    check_together([first, unsaid, said("c", "round one", 2000)])
+    with pytest.raises(InputError, match=r"a is of round one; d is of flat one; take one motor"):
+        check_together([first, unsaid, said("d", "flat one", 2000)])
+    with pytest.raises(InputError, match=r"a has 2000 counts .*; d has 4096 counts .* one encoder"):
+        check_together([first, unsaid, said("d", "round one", 4096)])
+
+
 def test_a_run_without_an_id_is_known_by_its_rows() -> None:
     """A bare CSV given twice, or beside the run folder that it lies in."""
     folder = replace(RECORD, name="folder", meta={"id": "a"})

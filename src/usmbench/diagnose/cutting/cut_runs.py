@@ -23,6 +23,7 @@ from usmbench.model.mixed_curve import beyond_range
 from usmbench.model.operating_points import places_among, point_weights
 from usmbench.model.replay import middle_angle_rad
 from usmbench.model.resonance_slope import point_slopes
+from usmbench.model.same_motor import another_motor
 from usmbench.runs.check_record import changed_since_closed, check_together
 from usmbench.runs.dwells import dwell_begin
 from usmbench.runs.record import Record
@@ -68,6 +69,7 @@ def cut_runs(
     stretches: list[Stretch] = []
     warnings = changed_since_closed(records)
     check_together(records)
+    warnings += another_motor(records, model)
     for record in records:
         check_run(record, model)
     sizes = [record.t_s.size for record in records]
