@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from usmbench.diagnose.fitting.fit import NOTHING, Fit
 from usmbench.diagnose.fitting.foretold import held_out_drop
 from usmbench.diagnose.fitting.huber_weights import huber_weights, robust_spread
@@ -27,6 +29,8 @@ from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
 
 _MOST_CAUSES = 3  # two are named at most: a third only shows that they are patches
+# Of what all bring: less is what forms are off by, as between causes that explain about as much.
+_OFF = 0.03
 # For what healthy runs show anyhow; see "nothing hidden" in benchmarks/naming_campaign.py.
 _UNUSUAL = 1e-9
 _LEAST_CLEAR = 0.1  # of the rows: what is left where chance cannot strike must tell something
@@ -87,6 +91,8 @@ def name_causes(
         if worth is None:
             return replace(found, leaves_a_cause=True)
         here, longer = worth
+        if len(before) == _MOST_CAUSES - 1 and _trifle(found, longer):
+            break
         found = settled(problem, [*before, here], longer)
         if here[0].effect.by_chance and scatters(problem, longer.effects):
             return _with_the_rest(problem, effects, found)
@@ -95,6 +101,12 @@ def name_causes(
         beside = rank(found.problem, others, found.spread, found.fit)
         here = _news(found.problem, beside, found.spread)
     return found
+
+
+def _trifle(found: Named, longer: Fit) -> bool:
+    """Return whether a further cause brings no more than the forms of the others are off by."""
+    whole = float(np.sum(held_out_drop(found.problem, longer)))
+    return whole - float(np.sum(held_out_drop(found.problem, found.fit))) < _OFF * whole
 
 
 def settled(problem: Problem, rankings: list[list[Ranked]], fit: Fit) -> Named:
