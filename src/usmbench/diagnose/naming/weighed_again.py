@@ -40,7 +40,8 @@ def weighed_again(named: Named) -> Named:
 def _ranked_again(named: Named, fit: Fit, ranking: list[Ranked]) -> Iterator[Ranked]:
     """Yield a cause and its rivals, fitted anew beside the other names.
 
-    One that was ahead of it is no rival: it did not hold on rows that its fit had not seen.
+    One that was ahead of it is no rival: it did not hold on rows that its fit had not seen. Nor is
+    one with which the others fit better, and without it as well.
     """
     problem, best = named.problem, ranking[0]
     (own,) = (a for a in fit.effects if a.effect.name == best.effect.name)
@@ -56,10 +57,16 @@ def _ranked_again(named: Named, fit: Fit, ranking: list[Ranked]) -> Iterator[Ran
     for rival in list(rivals.values())[:_RIVALS]:
         effects = (*rest, rival.fit.effects[-1])
         other = refine(problem, Fit(effects, problem.drop(effects), fit.roughness))
-        brings = best.statistic + (other.statistic - fit.statistic) / named.spread**2
-        yield replace(rival, fit=other, statistic=brings, score=brings - _price(rival))
+        without = other.effects[:-1]
+        alone = refine(problem, Fit(without, problem.drop(without), fit.roughness))
+        if other.statistic - alone.statistic > least:
+            more = (other.statistic - fit.statistic) / named.spread**2
+            yield _by(other, rival, best.statistic + more, len(ranking))
 
 
-def _price(ranked: Ranked) -> float:
-    """Return what a cause's parameters cost it."""
-    return ranked.statistic - ranked.score
+def _by(fit: Fit, ranked: Ranked, brings: float, n_forms: int) -> Ranked:
+    """Return a cause with another fit, and what that makes of its evidence among so many forms."""
+    price = ranked.statistic - ranked.score
+    chance = Fit(fit.effects[-1:], brings - ranked.misfit, ranked.fit.roughness).p_value
+    p_value = min(1.0, n_forms * chance)
+    return replace(ranked, fit=fit, statistic=brings, score=brings - price, p_value=p_value)

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.signal import sawtooth
 
 from known_motor import NOISE_RAD_S, WINDOW_S, applied, driven, identified, measured
 from usmbench.diagnose.cutting.cut_runs import cut_runs
@@ -126,3 +127,20 @@ def test_lost_counts_are_found_beside_another_cause_where_most_were_left_out(
     found = _searched(replace(record, speed_rad_s=counted), model)
     assert _names(found) == {"missed_counts", "phase_offset"}
     assert _judged(found, np.flatnonzero(n_lost)).all()
+
+
+@pytest.mark.parametrize("patient", [True, False])
+def test_what_leaves_nothing_is_named_before_what_fits_worse_and_leaves_something(
+    model: HammersteinModel, monkeypatch: pytest.MonkeyPatch, *, patient: bool
+) -> None:
+    """A counter that loses the same of each window lacks the scatter of one that loses whole ones.
+
+    Where data tell causes apart by halves only, whatever is half as good goes before it for that.
+    """
+    monkeypatch.setattr("usmbench.diagnose.naming.ranking.telling_deviance", lambda e: 0.5 * e)
+    if not patient:
+        monkeypatch.setattr("usmbench.diagnose.naming.search._leaves_nothing", lambda *_: None)
+    lost = applied("missed_counts", "of the excess", lost_of_excess=0.6, above_rad_s=3.5)
+    record = driven(32.0 * sawtooth(0.02 * np.arange(4000.0), 0.5), 41, lost)
+    found = _searched(replace(record, meta={"encoder": {"counts_per_rev": 2000}}), model)
+    assert (found.names == ("missed_counts",)) == patient

@@ -7,13 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import known_motor
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.known.knowledge import Knowledge
 from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.naming.ranking import Ranked, rank
-from usmbench.diagnose.naming.stepwise import Named, name_causes
+from usmbench.diagnose.naming.stepwise import Named, _trifle, name_causes
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.base import Effect
@@ -186,3 +187,21 @@ def test_a_disc_is_seen_at_the_angle_of_the_shaft_where_counts_are_lost(
     assert _names(found) == ["missed_counts", "encoder_eccentricity"]
     sizes = next(a.values for a in found.fit.effects if a.effect is disc.effect)
     assert sizes == pytest.approx(disc.values, abs=0.002)
+
+
+@pytest.mark.parametrize(("drag_rad_s", "trifle"), [(0.05, True), (1.0, False)])
+def test_a_third_that_brings_little_is_what_the_forms_of_two_are_off_by(
+    drag_rad_s: float, *, trifle: bool
+) -> None:
+    two = (
+        known_motor.applied("gain_asymmetry", "balanced", asymmetry=0.3),
+        known_motor.applied("transport_delay", "", delay_s=0.004),
+    )
+    drag = known_motor.applied("load_torque", "drag", drag_rad_s=drag_rad_s)
+    (stretch,), _ = cut_runs([known_motor.measured(7, *two, drag)], known_motor.identified(), ())
+    known = knowledge_of(known_motor.identified())
+    assert known.noise is not None
+    problem = Problem([stretch], known, known.noise, [stretch.use])
+    found, longer = (Fit(e, problem.drop(e), 0.0) for e in (two, (*two, drag)))
+    assert longer.statistic > found.statistic + 100.0
+    assert _trifle(Named(problem, [], found, 1.0), longer) == trifle

@@ -65,3 +65,31 @@ def test_what_was_ahead_and_did_not_hold_takes_no_place(found: Found) -> None:
     ]
     assert {a.effect.name for a in again.fit.effects} == {"transport_delay", "speed_scale"}
     assert again.rankings[0][1] is ahead
+
+
+def test_a_rival_is_as_sure_as_what_it_brings_beside_the_others(found: Found) -> None:
+    """Before, where nothing showed the others, it was no more than chance."""
+    delay, scale = ranked(found, SCALE, DELAY, 1e6), ranked(found, DELAY, SCALE, 6e4)
+    crystal = replace(ranked(found, DELAY, CRYSTAL, 1.0), statistic=17.0, p_value=1.0)
+    again = weighed_again(Named(found.problem, [[delay], [scale, crystal]], scale.fit, 1.0))
+    assert [r.effect.name for r in again.rankings[1]] == ["speed_scale", "crystal_error"]
+    assert again.rankings[1][1].p_value < 1e-9
+
+
+@pytest.mark.parametrize("without", [0.0, 490.0])
+def test_what_others_do_better_beside_a_rival_and_without_it_is_not_its_doing(
+    found: Found, monkeypatch: pytest.MonkeyPatch, without: float
+) -> None:
+    delay, scale = ranked(found, SCALE, DELAY, 1e6), ranked(found, DELAY, SCALE, 6e4)
+    crystal = replace(ranked(found, DELAY, CRYSTAL, 1.0), statistic=9.0)
+    both = scale.fit.statistic
+
+    def refined(_: object, fit: Fit) -> Fit:
+        """Fit better by 500 beside the crystal, and by all but 10 of it or of all without."""
+        alone = len(fit.effects) == 1
+        return replace(fit, statistic=(both + 490.0 if without else 0.0) if alone else both + 500.0)
+
+    monkeypatch.setattr("usmbench.diagnose.naming.weighed_again.refine", refined)
+    again = weighed_again(Named(found.problem, [[delay], [scale, crystal]], scale.fit, 1.0))
+    names = [ranking[0].effect.name for ranking in again.rankings]
+    assert names == ["transport_delay", "speed_scale" if without else "crystal_error"]
