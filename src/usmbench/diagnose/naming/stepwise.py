@@ -104,7 +104,12 @@ def name_causes(
 
 
 def _trifle(found: Named, longer: Fit) -> bool:
-    """Return whether a further cause brings no more than the forms of the others are off by."""
+    """Return whether a further cause brings no more than the forms of the others are off by.
+
+    Beside a grid it may be what another form of that leaves nothing of.
+    """
+    if any(applied.effect.jagged for applied in longer.effects):
+        return False
     whole = float(np.sum(held_out_drop(found.problem, longer)))
     return whole - float(np.sum(held_out_drop(found.problem, found.fit))) < _OFF * whole
 
