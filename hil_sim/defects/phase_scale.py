@@ -14,7 +14,7 @@ class AgedShifter(SignedDefect):
     mechanism: ClassVar[str] = "aged_shifter"
     cause: ClassVar[str] = "phase_scale"
     unit: ClassVar[str] = "%"
-    typical: ClassVar[float] = 0.15
+    typical: ClassVar[float] = 0.4
     least: ClassVar[float] = -100.0
 
     def drive_path(self) -> DrivePath:
