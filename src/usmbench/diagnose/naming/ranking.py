@@ -24,7 +24,7 @@ TELLING = 9.2  # deviance between two causes that data can tell: 99 % of chi-squ
 # evidence (with 0.1 a delay in a triangle came out as hysteresis alone, see
 # benchmarks/next_experiment.py), of much evidence an amount and what a form of an effect is off by.
 _SIMILAR = 0.15
-_MISFIT, _OFF = 50.0, 0.03
+_MISFIT, FORM_OFF = 50.0, 0.03
 _MOST_ALTERNATIVES = 5  # a name with more of them tells nothing, unless it is beyond chance
 NO_CHANCE = 1e-6  # family-wise, where chance is ruled out; nothing measured sets it
 _ONE_WAY = 2.0 * math.log(2.0)  # a parameter with one sign is given half the room beforehand
@@ -133,7 +133,7 @@ def telling_deviance(evidence: float) -> float:
     evidence
         What the better of the two brings.
     """
-    return max(TELLING, min(_SIMILAR * evidence, _MISFIT + _OFF * evidence))
+    return max(TELLING, min(_SIMILAR * evidence, _MISFIT + FORM_OFF * evidence))
 
 
 def alternatives(ranked: Sequence[Ranked]) -> tuple[str, ...]:

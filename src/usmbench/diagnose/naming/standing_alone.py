@@ -32,6 +32,7 @@ _OF_COUNT, _OF_WHOLE = 0.25, 1.5
 _OF_EFFECT, _SOON, _BESIDE = 3.0 * PHYSICS, 3, 5  # share; windows around
 _AHEAD = 0.25  # of the windows: false counts are as often ahead of a move as behind it
 # What windows are off by shows in those that do not stand alone; some thousand of them tell.
+# Nothing measured sets these or the share above.
 _ALONE, _DOUBLE, _FEWEST, _ENOUGH = 0.1, 2.0, 40, 4000
 
 

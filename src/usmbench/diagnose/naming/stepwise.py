@@ -13,6 +13,7 @@ from usmbench.diagnose.fitting.scanning import fit_effect, sharpen
 from usmbench.diagnose.naming.chance import scatters, struck_by
 from usmbench.diagnose.naming.ranking import (
     CLEAR,
+    FORM_OFF,
     Ranked,
     alternatives,
     nearest,
@@ -29,8 +30,6 @@ from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
 
 _MOST_CAUSES = 3  # two are named at most: a third only shows that they are patches
-# Of what all bring: less is what forms are off by, as between causes that explain about as much.
-_OFF = 0.03
 # For what healthy runs show anyhow; see "nothing hidden" in benchmarks/naming_campaign.py.
 _UNUSUAL = 1e-9
 _LEAST_CLEAR = 0.1  # of the rows: what is left where chance cannot strike must tell something
@@ -111,7 +110,7 @@ def _trifle(found: Named, longer: Fit) -> bool:
     if any(applied.effect.jagged for applied in longer.effects):
         return False
     whole = float(np.sum(held_out_drop(found.problem, longer)))
-    return whole - float(np.sum(held_out_drop(found.problem, found.fit))) < _OFF * whole
+    return whole - float(np.sum(held_out_drop(found.problem, found.fit))) < FORM_OFF * whole
 
 
 def settled(problem: Problem, rankings: list[list[Ranked]], fit: Fit) -> Named:
