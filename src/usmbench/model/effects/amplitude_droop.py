@@ -33,12 +33,13 @@ _HELD = replace(
     HELD_BACK,
     what="speed that friction takes as well at that power, most near standstill",
 )
+# What follows its load more slowly than this is heat.
 _STORE = Parameter(
     "store_s",
     "s",
     0.1,
     0.005,
-    5.0,
+    2.0,
     0.05,
     scanned=True,
     what="time constant with which the supply follows its load",
@@ -92,14 +93,15 @@ class _WithStore(Effect):
     """The supply's store follows the load with a time constant."""
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
-        """Return time constants from two windows to some seconds.
+        """Return time constants from two windows to three hundred.
 
         Parameters
         ----------
         contexts
             All stretches.
         """
-        return {"store_s": np.clip(contexts[0].window_s * np.geomspace(2, 300, 8), 0.005, 5.0)}
+        tried_s = contexts[0].window_s * np.geomspace(2, 300, 8)
+        return {"store_s": np.unique(np.clip(tried_s, _STORE.low, _STORE.high))}
 
 
 class SlowDroop(_WithStore, Droop):

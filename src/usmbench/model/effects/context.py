@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import lfilter
 
 from usmbench.model.driving import ALWAYS, Driving
 from usmbench.model.hammerstein import LinearPart
@@ -67,6 +68,24 @@ class Context:
             Time constant of the warming.
         """
         return self.driving.warmed(self.t_s, constant_s)
+
+    def warmed_by(self, share: Array, constant_s: float) -> Array:
+        """Return how warm heat that comes and goes has made the motor, as `warmed`, shape (N,).
+
+        Before the stretch, of which nothing is known here, it comes as in the mean of it.
+
+        Parameters
+        ----------
+        share
+            Heat in each window over that which would make it as warm at last, shape (N,).
+        constant_s
+            Time constant of the warming.
+        """
+        kept = np.exp(-self.window_s / constant_s)
+        before_s = np.maximum(self.t_s[:1] - self.window_s, 0.0)
+        before = np.mean(share) * self.driving.warmed(before_s, constant_s)
+        warm: Array = lfilter([1.0 - kept], [1.0, -kept], share, zi=kept * before)[0]
+        return warm
 
 
 def longest_s(contexts: Sequence[Context]) -> float:

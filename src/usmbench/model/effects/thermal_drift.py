@@ -10,7 +10,7 @@ from usmbench.model.effects.base import Array, Effect, Values
 from usmbench.model.effects.context import Context, longest_s
 from usmbench.model.effects.parameter import Parameter
 from usmbench.model.effects.resonance import AlongResonance, WithoutResonance, detuned
-from usmbench.model.effects.weaker_drive import weaker
+from usmbench.model.effects.weaker_drive import travelling, weaker
 
 _MEANING = "The speed changes over the run as the motor warms and its resonance moves."
 _MEND = "Warm up for longer, log the stator's temperature, and let the frequency follow it."
@@ -66,6 +66,37 @@ class ThermalDrift(Effect):
         warm_up = self.parameters[-1]
         tried_s = np.clip(run_s * np.geomspace(0.03, 3.0, 9), warm_up.low, warm_up.high)
         return {"warm_up_s": np.unique(tried_s)}
+
+
+class DriftByTurning(ThermalDrift):
+    """v′ = v (1 + d (1 − exp(−t/τ)) + c w), w the contact's heat, as |v|, behind the same lag.
+
+    What slips in the contact warms the motor where it turns; where it stands it cools.
+    """
+
+    form = "speed, by turning"
+    parameters = (
+        _DRIFT,
+        replace(
+            _DRIFT,
+            name="final_drift_by_turning",
+            what="the same, of what turning at the highest speed warms besides",
+        ),
+        _WARM_UP,
+    )
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the settled speed.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        turns, constant_s = np.sqrt(travelling(signal, context)), values["warm_up_s"]
+        drift = values["final_drift"] * context.warmed(constant_s)
+        drift += values["final_drift_by_turning"] * context.warmed_by(turns, constant_s)
+        return signal * np.maximum(1.0 + drift, 0.0)
 
 
 class DriftingFriction(WithoutResonance, ThermalDrift):
@@ -129,4 +160,4 @@ class DriftingResonance(ThermalDrift, AlongResonance):
         return detuned(signal, context, -1e-6 * values["final_shift_ppm"] * warmed)
 
 
-FORMS = (ThermalDrift(), DriftingFriction(), DriftingResonance())
+FORMS = (ThermalDrift(), DriftByTurning(), DriftingFriction(), DriftingResonance())
