@@ -5,10 +5,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from usmbench.diagnose.cutting.check_runs import FEWEST_WINDOWS
 from usmbench.diagnose.experiment.experiment_range import Range
 from usmbench.diagnose.experiment.proposal import Document, Experiment
 
 DURATION_S = 30.0
+_WINDOWS = 6 * FEWEST_WINDOWS  # at least: some are at starts, or beyond the range
 _SHORTEST_DWELL = 4
 _LEVELS = 9
 _SEED = 1
@@ -17,6 +19,8 @@ _STAIRS = 24
 
 def menu(where: Range) -> tuple[Experiment, ...]:
     """Return the experiments to choose from, each about 30 s of drive at a load torque.
+
+    Longer where so few long windows would say nothing.
 
     Parameters
     ----------
@@ -27,6 +31,10 @@ def menu(where: Range) -> tuple[Experiment, ...]:
         Experiment(says, {**_head(where), **body})
         for says, body in (*_passes(where), *_free(where))
     )
+
+
+def _duration_s(where: Range) -> float:
+    return max(DURATION_S, _WINDOWS * where.window_s)
 
 
 def _head(where: Range) -> Document:
@@ -40,7 +48,7 @@ def _head(where: Range) -> Document:
 
 def _passes(where: Range) -> Iterator[tuple[str, Document]]:
     """Yield rates, directions, dwells, the dead zone, loads and frequencies."""
-    windows = round(DURATION_S / where.window_s)
+    windows = round(_duration_s(where) / where.window_s)
     even = _even(where.low_deg, where.high_deg, _STAIRS)
     slow = _dwell(max(windows // (2 * len(even)), _SHORTEST_DWELL))
     fast = max(windows // (16 * len(even)), _SHORTEST_DWELL)
@@ -105,7 +113,7 @@ def _free(where: Range) -> Iterator[tuple[str, Document]]:
         "centre_deg": centre_deg,
         # Rounded down: the phases must stay where the model is known.
         "amplitude_deg": math.floor(1000.0 * reach_deg) / 1000.0,
-        "duration_s": DURATION_S,
+        "duration_s": _duration_s(where),
     }
     telegraph = {**shared, "kind": "telegraph"}
     for hold in (5, 20):
@@ -120,8 +128,8 @@ def _free(where: Range) -> Iterator[tuple[str, Document]]:
     highest_hz = 0.5 / (_SHORTEST_DWELL * where.window_s)
     for name, share in (("slow", 0.04), ("fast", 0.4)):
         band = [round(v * share * highest_hz, 6) for v in (0.02, 1.0)]
-        if band[1] * DURATION_S < 1.0:
-            continue  # of windows so long no whole wave fits into the run
+        if band[1] * _duration_s(where) < 1.0:
+            continue  # no whole wave fits into the run
         multisine = {**shared, "kind": "multisine", "hold_windows": _SHORTEST_DWELL}
         yield (
             f"a {name} random-phase multisine, up to {band[1]:.3g} Hz",

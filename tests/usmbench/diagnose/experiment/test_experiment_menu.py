@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from usmbench.diagnose.cutting.check_runs import FEWEST_WINDOWS
 from usmbench.diagnose.experiment.experiment_menu import DURATION_S, menu
 from usmbench.diagnose.experiment.experiment_range import Range, range_of
 from usmbench.diagnose.experiment.proposal import Experiment, planned_record
@@ -28,7 +29,16 @@ def record(frequency_hz: NDArray[np.float64] | None = None) -> Record:
     return Record("run", t_s, np.zeros(100), np.zeros(100), np.full(100, 0.01), frequency_hz)
 
 
-@pytest.mark.parametrize("where", [NARROW, WIDE, replace(NARROW, low_deg=10.0, window_s=0.05)])
+@pytest.mark.parametrize(
+    "where",
+    [
+        NARROW,
+        WIDE,
+        replace(NARROW, low_deg=10.0, window_s=0.05),
+        replace(NARROW, window_s=0.5),
+        replace(NARROW, window_s=2.0),
+    ],
+)
 def test_every_plan_is_one_that_sweep_takes_and_stays_in_range(
     where: Range, model: HammersteinModel
 ) -> None:
@@ -39,7 +49,9 @@ def test_every_plan_is_one_that_sweep_takes_and_stays_in_range(
         assert run.phase_deg.min() >= where.low_deg, experiment.says
         assert run.phase_deg.max() <= where.high_deg, experiment.says
         duration_s = float(run.t_s[-1]) / len(experiment.plan.torque_nm)
-        assert 0.7 * DURATION_S < duration_s < 1.4 * DURATION_S, experiment.says
+        # Thirty seconds of long windows would be refused as too few.
+        about_s = max(DURATION_S, 6.0 * FEWEST_WINDOWS * where.window_s)
+        assert 0.7 * about_s < duration_s < 1.4 * about_s, experiment.says
         changes = np.flatnonzero(np.diff(run.phase_deg))
         assert np.diff(changes).min() >= experiment.hold_windows, experiment.says
 
