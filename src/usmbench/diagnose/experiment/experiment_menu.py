@@ -57,7 +57,7 @@ def _passes(where: Range) -> Iterator[tuple[str, Document]]:
     yield (
         "the same staircase, far faster and repeated",
         {
-            "passes": [{**both, "repeats": max(windows // (2 * len(even) * fast), 1)}],
+            "passes": [{**both, "repeats": max(round(windows / (2 * len(even) * fast)), 1)}],
             "dwell": _dwell(fast),
         },
     )
