@@ -63,6 +63,16 @@ class Driving:
         last = self._last(t_s)
         return np.asarray(before_s[last] + self.share[last] * (t_s - self.from_s[last]))
 
+    def share_at(self, t_s: Column) -> Column:
+        """Return how much it is driven, shape (N,).
+
+        Parameters
+        ----------
+        t_s
+            End of each window, shape (N,).
+        """
+        return self.share[self._last(t_s)]
+
     def _last(self, t_s: Column) -> NDArray[np.intp]:
         """Return which entry each window, which ends at its time, belongs to."""
         return np.maximum(np.searchsorted(self.from_s, t_s) - 1, 0)

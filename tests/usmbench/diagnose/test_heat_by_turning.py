@@ -16,7 +16,7 @@ _TOP_RAD_S, _WINDOWS = 10.4, 3000
 def _rests_and_drives_deg(draw: np.random.Generator) -> Array:
     phase_deg = np.repeat(draw.uniform(-88.0, 88.0, _WINDOWS // 5), 5)
     rests = np.repeat(draw.permutation([1.0, 1.0, 1.0, 0.0, 0.15, 0.0]), _WINDOWS // 6)
-    return phase_deg * rests
+    return np.asarray(phase_deg * rests)
 
 
 def _warming(settled_rad_s: Array, power: float, constant_s: float, lost: float) -> Array:

@@ -59,6 +59,11 @@ class Context:
         """Number of windows."""
         return self.t_s.size
 
+    @property
+    def driven(self) -> Array:
+        """Share of each window in which the motor was driven, shape (N,)."""
+        return self.driving.share_at(self.t_s)
+
     def warmed(self, constant_s: float) -> Array:
         """Return how warm the run has made the motor, as a share of the most, shape (N,).
 

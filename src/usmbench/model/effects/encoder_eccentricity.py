@@ -1,6 +1,7 @@
 """Once-per-revolution ripple."""
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from usmbench.model.effects.context import Context, middle_rad
 from usmbench.model.effects.parameter import Parameter, Wave
 
 _TURNS = 0.1  # an arc in which a ripple bends by a twentieth of itself
+_TILT = 0.5  # of the ripple once a revolution
 _ROUNDS = 12  # in each the shaft's angle comes nearer by the ripple's share
 
 
@@ -23,7 +25,7 @@ class EncoderEccentricity(Effect):
     mend = "Centre the disc, or calibrate it by an average over whole revolutions."
     stage = "counter"
     early = True  # a counter counts what passes it
-    parameters = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter(
             "cosine",
             "1",
@@ -35,7 +37,7 @@ class EncoderEccentricity(Effect):
         ),
         Parameter("sine", "1", 0.0, -0.5, 0.5, 0.005, what="the same with sin α"),
     )
-    waves = (
+    waves: ClassVar[tuple[Wave, ...]] = (
         Wave("ripple", "cosine", "sine", "how far the disc is off, of the radius it is read at"),
     )
 
@@ -47,13 +49,21 @@ class EncoderEccentricity(Effect):
         signal, context, values
             As in `Effect.apply`.
         """
-        angle_rad = context.angle_rad
-        if angle_rad is None:
-            angle_rad = middle_rad(signal, context.window_s)
-        else:
-            angle_rad = self.of_shaft_rad(angle_rad, values)
+        angle_rad = self.angle_rad(signal, context, values)
         ripple = values["cosine"] * np.cos(angle_rad) + values["sine"] * np.sin(angle_rad)
         return signal * (1.0 + ripple)
+
+    def angle_rad(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the shaft's angle in the middle of each window, shape (N,).
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        if context.angle_rad is None:
+            return middle_rad(signal, context.window_s)
+        return self.of_shaft_rad(context.angle_rad, values)
 
     def of_shaft_rad(self, angle_rad: Array, values: Values) -> Array:
         """Return the shaft's angle where a run reports one, shape (N,).
@@ -105,4 +115,38 @@ class ByItsOwnCounts(EncoderEccentricity):
         return shaft_rad
 
 
-FORMS = (EncoderEccentricity(), ByItsOwnCounts())
+class EccentricAndTilted(ByItsOwnCounts):
+    """The same, and a smaller ripple twice a revolution: a disc that is not flat besides.
+
+    Larger than half of the first it would be another fault, and counts no further.
+    """
+
+    form = "and tilted"
+    parameters = (
+        *EncoderEccentricity.parameters,
+        Parameter("twice_cosine", "1", 0.0, -0.25, 0.25, 0.005, what="ripple that goes as cos 2α"),
+        Parameter("twice_sine", "1", 0.0, -0.25, 0.25, 0.005, what="the same with sin 2α"),
+    )
+    waves = (
+        *EncoderEccentricity.waves,
+        Wave("twice", "twice_cosine", "twice_sine", "how far it is off twice a revolution"),
+    )
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the speed that is reported.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        once = np.hypot(values["cosine"], values["sine"])
+        twice = np.hypot(values["twice_cosine"], values["twice_sine"])
+        counts = min(1.0, _TILT * once / max(twice, 1e-12))
+        angle_rad = 2.0 * self.angle_rad(signal, context, values)
+        cosine, sine = counts * values["twice_cosine"], counts * values["twice_sine"]
+        ripple: Array = cosine * np.cos(angle_rad) + sine * np.sin(angle_rad)
+        return super().apply(signal, context, values) + ripple * signal
+
+
+FORMS = (EncoderEccentricity(), ByItsOwnCounts(), EccentricAndTilted())

@@ -81,6 +81,22 @@ class Weight(Effect):
         return _braked(signal, np.full(signal.shape, values["one_sided_rad_s"]))
 
 
+class CreepingWeight(Weight):
+    """v′ = v − w, also where the wave stands: a weight that the contact does not hold there."""
+
+    form = "weight, creeping"
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the settled speed.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        return signal - values["one_sided_rad_s"] * context.driven
+
+
 class Drag(Effect):
     """v′ = v − d sign(v) while the rotor runs: dry friction outside the motor."""
 
@@ -110,6 +126,41 @@ class Drag(Effect):
             As in `Effect.apply`.
         """
         return _braked(signal, values["drag_rad_s"] * np.sign(signal))
+
+
+class WiderDeadZone(Effect):
+    """φ′ = φ − w sign φ, and 0 within w: a torque that is least felt where the wave travels.
+
+    The dead zone grows with the load (Mojallali and Ahmadi 2011, Section V), the highest speed
+    stays.
+    """
+
+    name = "load_torque"
+    form = "drag, wider dead zone"
+    meaning = _MEANING
+    mend = _MEND
+    stage = "command"
+    parameters = (
+        Parameter(
+            "wider_deg",
+            "deg",
+            0.0,
+            -20.0,
+            60.0,
+            0.2,
+            what="how far beyond its phase, either way, the rotor does what it did before",
+        ),
+    )
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the phase at which the motor without the torque does the same.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        return np.sign(signal) * np.maximum(np.abs(signal) - values["wider_deg"], 0.0)
 
 
 class _AlongBend(Effect):
@@ -168,4 +219,11 @@ class DragAlongBend(_AlongBend):
         return _along_bend(signal, loss_rad_s, values["rounded_rad_s"])
 
 
-FORMS = (Weight(), Drag(), WeightAlongBend(), DragAlongBend())
+FORMS = (
+    Weight(),
+    CreepingWeight(),
+    Drag(),
+    WiderDeadZone(),
+    WeightAlongBend(),
+    DragAlongBend(),
+)

@@ -1,16 +1,23 @@
 """An eccentric disc, where the angle is the shaft's and where the disc has counted it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from known_motor import WINDOW_S, identified, measured
+from usmbench.diagnose.pipeline import diagnose
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.registry import find_effect
 from usmbench.model.hammerstein import LinearPart
+from usmbench.runs.record import Record
 
 SHARE = st.floats(-0.35, 0.35)
-OF_SHAFT, OF_DISC = (find_effect("encoder_eccentricity", f) for f in ("", "by its own counts"))
+OF_SHAFT, OF_DISC, TILTED = (
+    find_effect("encoder_eccentricity", form) for form in ("", "by its own counts", "and tilted")
+)
 
 
 @given(cosine=SHARE, sine=SHARE)
@@ -36,6 +43,42 @@ def test_without_an_angle_both_follow_the_shaft() -> None:
     values = {"cosine": 0.2, "sine": 0.1}
     one, other = (form.apply(speed, context, values) for form in (OF_SHAFT, OF_DISC))
     assert other == pytest.approx(one)
+
+
+def test_a_tilt_adds_a_ripple_twice_a_revolution_up_to_half_of_the_first() -> None:
+    shaft_rad = np.linspace(-7.0, 7.0, 200)
+    speed, context = np.full(200, 3.0), _context(None)
+    turned_rad = 3.0 * 0.01 * (np.arange(200) + 0.5)
+    small, large = ({"twice_cosine": 0.0, "twice_sine": size} for size in (0.03, 0.2))
+    once = {"cosine": 0.1, "sine": 0.0}
+    for twice, seen in ((small, 0.03), (large, 0.05)):
+        passed = TILTED.apply(speed, context, {**once, **twice})
+        ripple = 0.1 * np.cos(turned_rad) + seen * np.sin(2.0 * turned_rad)
+        assert passed == pytest.approx(3.0 * (1.0 + ripple))
+    none = {"cosine": 0.0, "sine": 0.0}
+    assert TILTED.apply(speed, _context(shaft_rad), {**none, **large}) == pytest.approx(speed)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_disc_off_centre_is_named_beside_a_tilt_and_a_tilt_alone_is_not(seed: int) -> None:
+    draw = np.random.default_rng([seed, 41])
+    ripple, share, turn = draw.uniform(0.03, 0.08), draw.uniform(0.2, 0.45), draw.uniform(0, 6, 2)
+    healthy = measured(60 + seed)
+    angle_rad = np.cumsum(healthy.speed_rad_s) * WINDOW_S
+
+    def seen(once: float, twice: float) -> Record:
+        first = once * np.cos(angle_rad + turn[0])
+        second = twice * np.cos(2.0 * angle_rad + turn[1])
+        return replace(
+            healthy,
+            speed_rad_s=healthy.speed_rad_s * (1.0 + first + second),
+            angle_rad=angle_rad,
+        )
+
+    both = diagnose([seen(ripple, share * ripple)], identified())
+    assert [cause.name for cause in both.causes] == ["encoder_eccentricity"]
+    assert both.verdict == "explained"
+    assert diagnose([seen(0.0, ripple)], identified()).causes == ()
 
 
 def _context(angle_rad: np.ndarray | None) -> Context:

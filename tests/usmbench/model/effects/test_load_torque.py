@@ -1,17 +1,22 @@
 """A torque where the curve leaves the dead zone gradually."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from known_motor import CURVE, identified, measured
+from known_motor import LINEAR as KNOWN
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.reference import with_knowledge
 from usmbench.identify.fast import FastOptions, identify_fast
+from usmbench.model.driving import driving
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.first_order import first_order
-from usmbench.model.effects.load_torque import DragAlongBend, WeightAlongBend
+from usmbench.model.effects.load_torque import CreepingWeight, DragAlongBend, WeightAlongBend
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.linear import free_run
 from usmbench.runs.record import Record
@@ -22,6 +27,7 @@ WINDOW_S, NOISE_RAD_S = 0.01, 0.03
 LINEAR = first_order(0.0035, 0.0015, WINDOW_S)
 CONTEXT = Context(np.zeros(1), WINDOW_S, np.zeros(1), lambda phase_deg: phase_deg, LINEAR)
 RUNS = st.floats(0.01, 20.0)
+T_S, ON = np.array([1.0, 2.0]), np.array([True, False])
 
 
 def _bent(straight: float, rounded: float) -> float:
@@ -49,6 +55,38 @@ def test_no_torque_starts_a_rotor_that_stands_and_none_changes_nothing(
     lifted = WeightAlongBend().apply(signal, CONTEXT, {**none, "one_sided_rad_s": -2.0})
     assert lifted[0] == 0.0
     assert lifted[1] > speed
+
+
+@given(loss=st.floats(-3.0, 3.0), speed=st.floats(-20.0, 20.0))
+def test_a_weight_that_creeps_acts_at_rest_too_but_not_without_drive(
+    loss: float, speed: float
+) -> None:
+    context = replace(CONTEXT, t_s=np.array([1.0, 2.0]), driving=driving(T_S, 1.0, ON))
+    slower = CreepingWeight().apply(np.full(2, speed), context, {"one_sided_rad_s": loss})
+    assert slower == pytest.approx([speed - loss, speed])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_simple_torques_are_named_whatever_they_do_at_rest(seed: int) -> None:
+    draw = np.random.default_rng([seed, 77])
+    healthy = measured(80 + seed)
+    weight_rad_s = draw.choice([-1.0, 1.0]) * draw.uniform(0.03, 0.3)
+    creeps = replace(healthy, speed_rad_s=healthy.speed_rad_s - weight_rad_s)
+    wider_deg = draw.uniform(1.0, 6.0)
+    size_deg = np.maximum(np.abs(healthy.phase_deg) - wider_deg, 0.0)
+    moved = CURVE.speed_rad_s(np.sign(healthy.phase_deg) * size_deg)
+    noise_rad_s = healthy.speed_rad_s - free_run(KNOWN, CURVE.speed_rad_s(healthy.phase_deg))
+    holds = replace(healthy, speed_rad_s=free_run(KNOWN, moved) + noise_rad_s)
+    for record, name, true in (
+        (creeps, "one_sided_rad_s", weight_rad_s),
+        (holds, "wider_deg", wider_deg),
+    ):
+        found = diagnose([record], identified())
+        (cause,) = found.causes
+        assert cause.name == "load_torque"
+        assert found.verdict == "explained"
+        sizes = {p.name: p.value for p in cause.parameters}
+        assert sizes[name] == pytest.approx(true, rel=0.1)
 
 
 def _driven(seed: int, drag_rad_s: float = 0.0, weight_rad_s: float = 0.0) -> Record:
