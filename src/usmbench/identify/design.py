@@ -80,11 +80,17 @@ def check_rows(data: Dataset, degree: int, na: int, nb: int, *, point: int) -> N
     Raises
     ------
     InputError
-        Too few, with the numbers.
+        Too few, with the numbers, or none that follow each other.
     """
     wanted = degree + 1 + na + nb
     n, past = data.rows(point), max(na, nb)
     whole = sum(max(s.n - past, 0) for s in data.segments if s.point == point)
+    if n >= wanted and whole == 0 and data.window_s is not None:
+        raise InputError(
+            f"{data.name}: no {past + 1} rows{describe(data.points[point])} follow each other: a "
+            f"window is said to last {data.window_s:g} s, and rows are farther apart; check "
+            "samples_per_average and sample_rate_hz of run.yaml, or the column window_s"
+        )
     if n < wanted or whole == 0:
         rows = "settled pairs" if data.window_s is None else "rows"
         raise InputError(

@@ -203,6 +203,13 @@ def test_too_few_rows_are_refused_with_the_numbers(measure: Measure) -> None:
         identify_fast([measure(60)], FastOptions(degree=64))
 
 
+def test_rows_farther_apart_than_a_window_lasts_are_said_to_be(measure: Measure) -> None:
+    record = measure(400)
+    sparse = replace(record, window_s=np.full(400, 0.01 * float(record.window_s[0])))
+    with pytest.raises(InputError, match="follow each other: a window is said to last"):
+        identify_fast([sparse], FastOptions())
+
+
 def test_phases_outside_the_given_knots_are_refused(measure: Measure) -> None:
     with pytest.raises(InputError, match="outside the knots -45…45°"):
         identify_fast([measure(200)], FastOptions(knots_deg=(-45.0, -20.0, 0.0, 20.0, 45.0)))

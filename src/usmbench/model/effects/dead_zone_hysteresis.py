@@ -1,6 +1,7 @@
 """It starts later than it stops."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -105,12 +106,45 @@ class DirectedEdges(Effect):
             As in `Effect.apply`.
         """
         outward = last_way(np.diff(np.abs(context.phase_deg), prepend=0.0))
-        shift_deg = 0.5 * values["width_deg"] * outward * np.sign(context.phase_deg)
+        farther_deg = values["width_deg"] * self.share(outward)
+        shift_deg = farther_deg * np.sign(context.phase_deg)
         return (
             signal
             + context.settled_rad_s(context.phase_deg - shift_deg)
             - context.settled_rad_s(context.phase_deg)
         )
+
+    def share(self, outward: Array) -> Array:
+        """Return how much of the width the edges are farther out, shape (N,).
+
+        Parameters
+        ----------
+        outward
+            +1 where the phase last moved away from 0, -1 where towards it, shape (N,).
+        """
+        return 0.5 * outward
+
+
+class OutwardEdges(DirectedEdges):
+    """The edges are farther out outward bound, and where they were inward: v′ = v(φ − h) or v(φ).
+
+    It starts later, and stops where it did.
+    """
+
+    form = "edges outward bound"
+    parameters = (
+        replace(DirectedEdges.parameters[0], what="how much farther out they are outward bound"),
+    )
+
+    def share(self, outward: Array) -> Array:
+        """Return how much of the width the edges are farther out, shape (N,).
+
+        Parameters
+        ----------
+        outward
+            As in `DirectedEdges.share`.
+        """
+        return np.where(outward > 0.0, 1.0, 0.0)
 
 
 class Play(Effect):
@@ -173,4 +207,4 @@ def _latched(
     return state
 
 
-FORMS = (Sticking(), AtRest(), Forwards(), Backwards(), DirectedEdges(), Play())
+FORMS = (Sticking(), AtRest(), Forwards(), Backwards(), DirectedEdges(), OutwardEdges(), Play())

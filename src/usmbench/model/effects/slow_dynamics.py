@@ -8,10 +8,11 @@ import numpy as np
 
 from usmbench.model.effects.base import Array, DynamicsEffect, Values
 from usmbench.model.effects.context import Context
-from usmbench.model.effects.first_order import lag_of
+from usmbench.model.effects.first_order import Lag, lag_of
 from usmbench.model.effects.parameter import Parameter
 from usmbench.model.hammerstein import LinearPart
 
+_ALIKE = 1e-3  # of a time constant: two nearer than that are taken for so far apart
 _FASTEST = 1e-3  # a pole nearer to 0 is no lag at this window
 
 
@@ -78,4 +79,49 @@ class SlowDynamics(DynamicsEffect):
         return {"added_s": np.minimum(contexts[0].window_s * np.geomspace(0.002, 100.0, 36), 10.0)}
 
 
-FORMS = (SlowDynamics(),)
+class AnotherLag(SlowDynamics):
+    """A lag of time constant d behind the motor's own: a filter in the drive or in the counter.
+
+    Exact behind a first-order lag; behind other dynamics, a speed is taken for straight between the
+    middles of windows.
+    """
+
+    form = "another lag"
+    parameters = (
+        replace(SlowDynamics.parameters[0], what="time constant of the lag that is added"),
+    )
+
+    def linear_part(self, linear: LinearPart, context: Context, values: Values) -> LinearPart:
+        """Return the linear part with a lag behind it.
+
+        Parameters
+        ----------
+        linear, context, values
+            As in `DynamicsEffect.linear_part`.
+        """
+        added_s, window_s = values["added_s"], context.window_s
+        if added_s <= 0.0:
+            return linear
+        known = lag_of(linear, window_s)
+        if known is not None:
+            both = _one_behind_the_other(known, added_s, window_s)
+            return replace(both, slip_limit_rad_s=linear.slip_limit_rad_s)
+        pole = math.exp(-window_s / added_s)
+        left = (1.0 - pole) * added_s / window_s
+        a = np.convolve(np.r_[1.0, linear.a], [1.0, -pole])[1:]
+        return replace(linear, a=a, b=np.convolve(linear.b, [1.0 - left, left - pole]))
+
+
+def _one_behind_the_other(lag: Lag, added_s: float, window_s: float) -> LinearPart:
+    """Return a lag τ and one of d: (τ L(τ) − d L(d)) / (τ − d) in partial fractions."""
+    if abs(added_s - lag.tau_s) < _ALIKE * lag.tau_s:
+        added_s = (1.0 + _ALIKE) * lag.tau_s
+    own, other = (one.linear_part(window_s) for one in (lag, replace(lag, tau_s=added_s)))
+    share = lag.tau_s / (lag.tau_s - added_s)
+    mine = np.convolve(own.b, np.r_[1.0, other.a])
+    its = np.convolve(other.b, np.r_[1.0, own.a])
+    a = np.convolve(np.r_[1.0, own.a], np.r_[1.0, other.a])[1:]
+    return replace(own, a=a, b=share * mine + (1.0 - share) * its)
+
+
+FORMS = (SlowDynamics(), AnotherLag())

@@ -7,6 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import known_motor
+from known_motor import driven, identified
+from usmbench.diagnose.pipeline import diagnose
 from usmbench.model.effects.base import Effect
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.dead_zone_hysteresis import (
@@ -14,10 +17,12 @@ from usmbench.model.effects.dead_zone_hysteresis import (
     AtRest,
     Backwards,
     Forwards,
+    OutwardEdges,
     Play,
     Sticking,
 )
 from usmbench.model.hammerstein import LinearPart, StaticCurve
+from usmbench.model.linear import free_run
 
 WINDOW_S = 0.01
 KNOTS_DEG = np.linspace(-90.0, 90.0, 91)
@@ -63,6 +68,37 @@ def _ends(context: Context) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
         way: fine[np.argmax(np.abs(CURVE.speed_rad_s(way * fine)) > least)] for way in (-1.0, 1.0)
     }
     return np.array([abs(p) - edges[1.0 if p > 0 else -1.0] for p in context.phase_deg])
+
+
+def test_edges_that_move_outward_bound_only_stop_where_they_did() -> None:
+    context = context_of([-40.0, -10.0, 20.0, 60.0])
+    settled = context.settled_rad_s(context.phase_deg)
+    found = OutwardEdges().apply(settled, context, {"width_deg": 6.0})
+    at_deg = [0, -34, -10, 14, 54, 54, 20, -10, -34, -34, -10, 14, 54]
+    assert found == pytest.approx(np.repeat(CURVE.speed_rad_s(np.array(at_deg, float)), 5))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_start_that_is_later_and_a_stop_that_is_not_have_one_name(seed: int) -> None:
+    draw = np.random.default_rng([seed, 19])
+    width_deg = draw.uniform(2.0, 6.0)
+    stairs_deg = np.repeat(np.round(draw.uniform(-88.0, 88.0, 400), 1), 5)
+    farther, last = np.zeros(2000), 0.0
+    for k in range(1, 2000):
+        grew = abs(stairs_deg[k]) - abs(stairs_deg[k - 1])
+        last = width_deg if grew > 0.0 else 0.0 if grew < 0.0 else last
+        farther[k] = last
+    size_deg = np.abs(stairs_deg) - farther
+    healthy = driven(stairs_deg, seed)
+    curve = known_motor.CURVE.speed_rad_s
+    change = curve(np.sign(stairs_deg) * size_deg) - curve(stairs_deg)
+    speed_rad_s = healthy.speed_rad_s + free_run(known_motor.LINEAR, change, 0.0)
+    found = diagnose([replace(healthy, speed_rad_s=speed_rad_s)], identified())
+    (cause,) = found.causes
+    assert cause.name == "dead_zone_hysteresis"
+    assert found.verdict == "explained"
+    (size,) = cause.parameters
+    assert size.value == pytest.approx(width_deg, rel=0.1)
 
 
 def test_where_the_phases_are_many_or_nothing_runs_a_few_widths_are_tried() -> None:

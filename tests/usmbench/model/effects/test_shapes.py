@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
+from scipy.signal import lfilter
 
 from usmbench.model.effects import (
     crystal_error,
@@ -32,7 +33,7 @@ from usmbench.model.effects.phase_quantisation import (
     TruncatedPhase,
 )
 from usmbench.model.effects.shaft_compliance import ShaftCompliance, SwingingLoad
-from usmbench.model.effects.slow_dynamics import SlowDynamics
+from usmbench.model.effects.slow_dynamics import AnotherLag, SlowDynamics
 from usmbench.model.effects.transport_delay import TransportDelay
 from usmbench.model.extended import Applied, extended_run
 from usmbench.model.hammerstein import LinearPart
@@ -204,6 +205,30 @@ def test_a_lag_that_samples_hide_is_no_lag_of_averages(tau: float) -> None:
     slower = SlowDynamics().linear_part(linear, _context(4), {"added_s": 0.15 * WINDOW_S})
     left = 1.0 - free_run(slower, np.ones(1), 0.0)[0]
     assert math.isclose(left, math.exp(-1.0 / (tau + 0.15)), abs_tol=2e-3)
+
+
+@settings(deadline=None, max_examples=30)
+@given(tau=st.floats(0.3, 3.0), added=st.floats(0.02, 3.0), delay=st.floats(0.0, 1.5))
+def test_a_lag_behind_a_lag_is_the_average_of_the_exact_response(
+    tau: float, added: float, delay: float
+) -> None:
+    own = first_order(tau * WINDOW_S, delay * WINDOW_S, WINDOW_S)
+    linear = AnotherLag().linear_part(own, _context(4), {"added_s": added * WINDOW_S})
+    step_t = 1.0 / 2000
+    fine = (np.arange(12 * 2000) + 0.5) * step_t
+    first = np.where(fine > delay, -np.expm1(-np.maximum(fine - delay, 0.0) / tau), 0.0)
+    kept = math.exp(-step_t / added)
+    exact = lfilter([1.0 - kept], [1.0, -kept], first).reshape(12, -1).mean(axis=1)
+    assert np.allclose(free_run(linear, np.ones(12), 0.0), exact, atol=2e-3)
+
+
+def test_a_lag_behind_dynamics_that_are_no_lag_is_that_of_a_straight_input() -> None:
+    linear = LinearPart(np.array([-1.2, 0.5]), np.array([0.2, 0.1]), 0, WINDOW_S)
+    slower = AnotherLag().linear_part(linear, _context(4), {"added_s": 2.0 * WINDOW_S})
+    ramp = 0.5 * np.arange(400.0)
+    assert slower.gain == pytest.approx(linear.gain)
+    behind = free_run(linear, ramp, 0.0) - free_run(slower, ramp, 0.0)
+    assert behind[-1] == pytest.approx(2.0 * 0.5, rel=1e-6)
 
 
 @settings(deadline=None, max_examples=30)
