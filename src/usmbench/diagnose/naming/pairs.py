@@ -16,7 +16,14 @@ from usmbench.diagnose.fitting.fit import NOTHING, Fit
 from usmbench.diagnose.fitting.foretold import held_out_drop
 from usmbench.diagnose.fitting.refining import refine, refine_widely
 from usmbench.diagnose.fitting.scanning import fit_effect, sharpen
-from usmbench.diagnose.naming.ranking import CLEAR, SIGNIFICANT, Ranked, alternatives, rank
+from usmbench.diagnose.naming.ranking import (
+    CLEAR,
+    SIGNIFICANT,
+    Ranked,
+    alternatives,
+    begun_with,
+    rank,
+)
 from usmbench.diagnose.naming.roughly_beside import roughly_together
 from usmbench.diagnose.naming.stepwise import Named, settled
 from usmbench.diagnose.naming.worth import First, earns_its_place, worth_a_name
@@ -75,8 +82,8 @@ def hidden_pair(
         return None
     rankings = []
     for wanted, other in zip(best.effects, reversed(best.effects), strict=True):
-        ranking = _beside(problem, effects, spread, other)
-        if ranking[0].effect != wanted.effect or ranking[0].p_value >= CLEAR:
+        ranking = begun_with(_beside(problem, effects, spread, other), wanted.effect)
+        if ranking is None or ranking[0].p_value >= CLEAR:
             return None
         rankings.append(ranking)
     return settled(problem, rankings, best)

@@ -188,3 +188,19 @@ def same_shape(ranked: Sequence[Ranked]) -> set[str]:
     """
     best = ranked[0]
     return {r.effect.name for r in ranked if abs(r.statistic - best.statistic) < _SAME}
+
+
+def begun_with(ranked: Sequence[Ranked], effect: Effect) -> list[Ranked] | None:
+    """Return the ranking begun with an effect that is the best, or as good; None where it is not.
+
+    Parameters
+    ----------
+    ranked
+        The candidates, best first.
+    effect
+        One of them.
+    """
+    own = next(r for r in ranked if r.effect == effect)
+    if own.effect.name != ranked[0].effect.name or own.score < ranked[0].score - _SAME:
+        return None
+    return [own, *(r for r in ranked if r is not own)]

@@ -91,6 +91,18 @@ class AnotherLag(SlowDynamics):
         replace(SlowDynamics.parameters[0], what="time constant of the lag that is added"),
     )
 
+    def untestable(self, contexts: Sequence[Context]) -> str | None:
+        """Return why where the model's torque has a limit, which is that of a single lag.
+
+        Parameters
+        ----------
+        contexts
+            All stretches.
+        """
+        if any(c.linear.slip_limit_rad_s is not None for c in contexts):
+            return "the model's torque has a limit, and is followed by one lag only"
+        return None
+
     def linear_part(self, linear: LinearPart, context: Context, values: Values) -> LinearPart:
         """Return the linear part with a lag behind it.
 
@@ -104,8 +116,7 @@ class AnotherLag(SlowDynamics):
             return linear
         known = lag_of(linear, window_s)
         if known is not None:
-            both = _one_behind_the_other(known, added_s, window_s)
-            return replace(both, slip_limit_rad_s=linear.slip_limit_rad_s)
+            return _one_behind_the_other(known, added_s, window_s)
         pole = math.exp(-window_s / added_s)
         left = (1.0 - pole) * added_s / window_s
         a = np.convolve(np.r_[1.0, linear.a], [1.0, -pole])[1:]

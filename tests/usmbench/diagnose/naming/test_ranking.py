@@ -9,7 +9,7 @@ from known_motor import applied, driven, identified
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.fitting.fit import NOTHING
 from usmbench.diagnose.known.model_knowledge import knowledge_of
-from usmbench.diagnose.naming.ranking import Ranked, alternatives, rank, undecided
+from usmbench.diagnose.naming.ranking import Ranked, alternatives, begun_with, rank, undecided
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.base import Effect
 from usmbench.model.effects.dead_zone_hysteresis import Sticking
@@ -44,6 +44,19 @@ def test_what_explains_no_more_than_chance_is_no_alternative() -> None:
         )
     ]
     assert alternatives(ranked) == (second.name,)
+
+
+def test_a_ranking_begins_with_a_form_that_is_as_good_as_the_best_of_its_cause() -> None:
+    forms = [e for e in library() if e.name == "load_torque"][:2]
+    other = find_effect("speed_scale", "")
+    ranked = [
+        Ranked(effect, NOTHING, score, 1e-9, score)
+        for effect, score in ((forms[0], 90.0), (forms[1], 89.8), (other, 89.8))
+    ]
+    assert begun_with(ranked, forms[1]) == [ranked[1], ranked[0], ranked[2]]
+    assert begun_with(ranked, other) is None
+    worse = [ranked[0], Ranked(forms[1], NOTHING, 80.0, 1e-9, 80.0), ranked[2]]
+    assert begun_with(worse, forms[1]) is None
 
 
 STICKS = applied("dead_zone_hysteresis", "sticking", start_later_deg=4.0)

@@ -222,6 +222,13 @@ def test_a_lag_behind_a_lag_is_the_average_of_the_exact_response(
     assert np.allclose(free_run(linear, np.ones(12), 0.0), exact, atol=2e-3)
 
 
+def test_no_lag_is_looked_for_behind_a_limited_torque() -> None:
+    free = _context(4)
+    limited = replace(free, linear=replace(free.linear, slip_limit_rad_s=3.0))
+    assert AnotherLag().untestable([free]) is None
+    assert "limit" in (AnotherLag().untestable([free, limited]) or "")
+
+
 def test_a_lag_behind_dynamics_that_are_no_lag_is_that_of_a_straight_input() -> None:
     linear = LinearPart(np.array([-1.2, 0.5]), np.array([0.2, 0.1]), 0, WINDOW_S)
     slower = AnotherLag().linear_part(linear, _context(4), {"added_s": 2.0 * WINDOW_S})
