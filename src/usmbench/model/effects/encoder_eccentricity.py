@@ -49,21 +49,24 @@ class EncoderEccentricity(Effect):
         signal, context, values
             As in `Effect.apply`.
         """
-        angle_rad = self.angle_rad(signal, context, values)
-        ripple = values["cosine"] * np.cos(angle_rad) + values["sine"] * np.sin(angle_rad)
-        return signal * (1.0 + ripple)
+        angle_rad = context.angle_rad
+        if angle_rad is None:
+            angle_rad = middle_rad(signal, context.window_s)
+        else:
+            angle_rad = self.of_shaft_rad(angle_rad, values)
+        return signal * (1.0 + self.ripple(angle_rad, values))
 
-    def angle_rad(self, signal: Array, context: Context, values: Values) -> Array:
-        """Return the shaft's angle in the middle of each window, shape (N,).
+    def ripple(self, angle_rad: Array, values: Values) -> Array:
+        """Return the ripple over the speed, shape (N,).
 
         Parameters
         ----------
-        signal, context, values
-            As in `Effect.apply`.
+        angle_rad
+            The shaft's angle in the middle of the windows, shape (N,).
+        values
+            The parameters.
         """
-        if context.angle_rad is None:
-            return middle_rad(signal, context.window_s)
-        return self.of_shaft_rad(context.angle_rad, values)
+        return _wave(angle_rad, values["cosine"], values["sine"])
 
     def of_shaft_rad(self, angle_rad: Array, values: Values) -> Array:
         """Return the shaft's angle where a run reports one, shape (N,).
@@ -132,21 +135,23 @@ class EccentricAndTilted(ByItsOwnCounts):
         Wave("twice", "twice_cosine", "twice_sine", "how far it is off twice a revolution"),
     )
 
-    def apply(self, signal: Array, context: Context, values: Values) -> Array:
-        """Return the speed that is reported.
+    def ripple(self, angle_rad: Array, values: Values) -> Array:
+        """Return the ripple over the speed, shape (N,).
 
         Parameters
         ----------
-        signal, context, values
-            As in `Effect.apply`.
+        angle_rad, values
+            As in `EncoderEccentricity.ripple`.
         """
         once = np.hypot(values["cosine"], values["sine"])
         twice = np.hypot(values["twice_cosine"], values["twice_sine"])
         counts = min(1.0, _TILT * once / max(twice, 1e-12))
-        angle_rad = 2.0 * self.angle_rad(signal, context, values)
-        cosine, sine = counts * values["twice_cosine"], counts * values["twice_sine"]
-        ripple: Array = cosine * np.cos(angle_rad) + sine * np.sin(angle_rad)
-        return super().apply(signal, context, values) + ripple * signal
+        tilt: Array = counts * _wave(2.0 * angle_rad, values["twice_cosine"], values["twice_sine"])
+        return super().ripple(angle_rad, values) + tilt
+
+
+def _wave(angle_rad: Array, cosine: float, sine: float) -> Array:
+    return np.asarray(cosine * np.cos(angle_rad) + sine * np.sin(angle_rad))
 
 
 FORMS = (EncoderEccentricity(), ByItsOwnCounts(), EccentricAndTilted())

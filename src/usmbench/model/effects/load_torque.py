@@ -129,7 +129,7 @@ class Drag(Effect):
 
 
 class WiderDeadZone(Effect):
-    """φ′ = φ − w sign φ, and 0 within w: a torque that is least felt where the wave travels.
+    """v′ = v(φ − w sign φ), and v(0) within w: a drag that is least felt where the wave travels.
 
     The dead zone grows with the load (Mojallali and Ahmadi 2011, Section V), the highest speed
     stays.
@@ -139,7 +139,7 @@ class WiderDeadZone(Effect):
     form = "drag, wider dead zone"
     meaning = _MEANING
     mend = _MEND
-    stage = "command"
+    stage = "settled"
     parameters = (
         Parameter(
             "wider_deg",
@@ -148,19 +148,22 @@ class WiderDeadZone(Effect):
             -20.0,
             60.0,
             0.2,
-            what="how far beyond its phase, either way, the rotor does what it did before",
+            what="how much farther from 0°, either way, the rotor does what it did before",
         ),
     )
 
     def apply(self, signal: Array, context: Context, values: Values) -> Array:
-        """Return the phase at which the motor without the torque does the same.
+        """Return the settled speed.
 
         Parameters
         ----------
         signal, context, values
             As in `Effect.apply`.
         """
-        return np.sign(signal) * np.maximum(np.abs(signal) - values["wider_deg"], 0.0)
+        phase_deg = context.phase_deg
+        nearer_deg = np.maximum(np.abs(phase_deg) - values["wider_deg"], 0.0)
+        there = context.settled_rad_s(np.sign(phase_deg) * nearer_deg)
+        return signal + there - context.settled_rad_s(phase_deg)
 
 
 class _AlongBend(Effect):
