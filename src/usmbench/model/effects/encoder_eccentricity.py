@@ -10,7 +10,8 @@ from usmbench.model.effects.context import Context, middle_rad
 from usmbench.model.effects.parameter import Parameter, Wave
 
 _TURNS = 0.1  # an arc in which a ripple bends by a twentieth of itself
-_TILT = 0.5  # of the ripple once a revolution
+# Of the ripple once a revolution: what ripples more twice is another fault.
+_SMALLER, _OF_ONCE = (-0.4, 0.4), "share of that ripple that goes"
 _ROUNDS = 12  # in each the shaft's angle comes nearer by the ripple's share
 
 
@@ -119,20 +120,17 @@ class ByItsOwnCounts(EncoderEccentricity):
 
 
 class EccentricAndTilted(ByItsOwnCounts):
-    """The same, and a smaller ripple twice a revolution: a disc that is not flat besides.
-
-    Larger than half of the first it would be another fault, and counts no further.
-    """
+    """The same, and a smaller ripple twice a revolution: a disc that is not flat besides."""
 
     form = "and tilted"
     parameters = (
         *EncoderEccentricity.parameters,
-        Parameter("twice_cosine", "1", 0.0, -0.25, 0.25, 0.005, what="ripple that goes as cos 2α"),
-        Parameter("twice_sine", "1", 0.0, -0.25, 0.25, 0.005, what="the same with sin 2α"),
+        Parameter("twice_cosine", "1", 0.0, *_SMALLER, 0.05, what=f"{_OF_ONCE} as cos 2α"),
+        Parameter("twice_sine", "1", 0.0, *_SMALLER, 0.05, what="the same with sin 2α"),
     )
     waves = (
         *EncoderEccentricity.waves,
-        Wave("twice", "twice_cosine", "twice_sine", "how far it is off twice a revolution"),
+        Wave("twice", "twice_cosine", "twice_sine", "ripple twice a revolution, over that once"),
     )
 
     def ripple(self, angle_rad: Array, values: Values) -> Array:
@@ -144,9 +142,7 @@ class EccentricAndTilted(ByItsOwnCounts):
             As in `EncoderEccentricity.ripple`.
         """
         once = np.hypot(values["cosine"], values["sine"])
-        twice = np.hypot(values["twice_cosine"], values["twice_sine"])
-        counts = min(1.0, _TILT * once / max(twice, 1e-12))
-        tilt: Array = counts * _wave(2.0 * angle_rad, values["twice_cosine"], values["twice_sine"])
+        tilt: Array = once * _wave(2.0 * angle_rad, values["twice_cosine"], values["twice_sine"])
         return super().ripple(angle_rad, values) + tilt
 
 

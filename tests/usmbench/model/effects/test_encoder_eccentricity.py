@@ -45,24 +45,20 @@ def test_without_an_angle_both_follow_the_shaft() -> None:
     assert other == pytest.approx(one)
 
 
-def test_a_tilt_adds_a_ripple_twice_a_revolution_up_to_half_of_the_first() -> None:
-    shaft_rad = np.linspace(-7.0, 7.0, 200)
-    speed, context = np.full(200, 3.0), _context(None)
+def test_a_tilt_adds_a_ripple_twice_a_revolution_that_is_a_share_of_the_first() -> None:
+    speed, tilt = np.full(200, 3.0), {"twice_cosine": 0.0, "twice_sine": 0.3}
     turned_rad = 3.0 * 0.01 * (np.arange(200) + 0.5)
-    small, large = ({"twice_cosine": 0.0, "twice_sine": size} for size in (0.03, 0.2))
-    once = {"cosine": 0.1, "sine": 0.0}
-    for twice, seen in ((small, 0.03), (large, 0.05)):
-        passed = TILTED.apply(speed, context, {**once, **twice})
-        ripple = 0.1 * np.cos(turned_rad) + seen * np.sin(2.0 * turned_rad)
-        assert passed == pytest.approx(3.0 * (1.0 + ripple))
-    none = {"cosine": 0.0, "sine": 0.0}
-    assert TILTED.apply(speed, _context(shaft_rad), {**none, **large}) == pytest.approx(speed)
+    passed = TILTED.apply(speed, _context(None), {"cosine": 0.0, "sine": -0.1, **tilt})
+    ripple = -0.1 * np.sin(turned_rad) + 0.03 * np.sin(2.0 * turned_rad)
+    assert passed == pytest.approx(3.0 * (1.0 + ripple))
+    none = {"cosine": 0.0, "sine": 0.0, **tilt}
+    assert TILTED.apply(speed, _context(turned_rad), none) == pytest.approx(speed)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_disc_off_centre_is_named_beside_a_tilt_and_a_tilt_alone_is_not(seed: int) -> None:
     draw = np.random.default_rng([seed, 41])
-    ripple, share, turn = draw.uniform(0.03, 0.08), draw.uniform(0.2, 0.45), draw.uniform(0, 6, 2)
+    ripple, share, turn = draw.uniform(0.03, 0.08), draw.uniform(0.1, 0.35), draw.uniform(0, 6, 2)
     healthy = measured(60 + seed)
     angle_rad = np.cumsum(healthy.speed_rad_s) * WINDOW_S
 
