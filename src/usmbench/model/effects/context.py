@@ -74,23 +74,23 @@ class Context:
         """
         return self.driving.warmed(self.t_s, constant_s)
 
-    def warmed_by(self, share: Array, constant_s: float) -> Array:
-        """Return how warm heat that comes and goes has made the motor, as `warmed`, shape (N,).
+    def behind(self, heating: Array, constant_s: float) -> Array:
+        """Return what heats the motor, behind a first-order lag, cold as the run began, shape (N,).
 
-        Before the stretch, of which nothing is known here, it comes as in the mean of it.
+        Before the stretch, of which nothing is known here, it is what it is in the mean.
 
         Parameters
         ----------
-        share
-            Heat in each window over that which would make it as warm at last, shape (N,).
+        heating
+            What heats it in each window, in any unit, shape (N,).
         constant_s
-            Time constant of the warming.
+            Time constant of the lag.
         """
         kept = np.exp(-self.window_s / constant_s)
         before_s = np.maximum(self.t_s[:1] - self.window_s, 0.0)
-        before = np.mean(share) * self.driving.warmed(before_s, constant_s)
-        warm: Array = lfilter([1.0 - kept], [1.0, -kept], share, zi=kept * before)[0]
-        return warm
+        before = np.mean(heating) * self.driving.warmed(before_s, constant_s)
+        behind: Array = lfilter([1.0 - kept], [1.0, -kept], heating, zi=kept * before)[0]
+        return behind
 
 
 def longest_s(contexts: Sequence[Context]) -> float:

@@ -10,7 +10,7 @@ from usmbench.model.effects.base import Array, Effect, Values
 from usmbench.model.effects.context import Context, longest_s
 from usmbench.model.effects.parameter import Parameter
 from usmbench.model.effects.resonance import AlongResonance, WithoutResonance, detuned
-from usmbench.model.effects.weaker_drive import travelling, weaker
+from usmbench.model.effects.weaker_drive import weaker
 
 _MEANING = "The speed changes over the run as the motor warms and its resonance moves."
 _MEND = "Warm up for longer, log the stator's temperature, and let the frequency follow it."
@@ -69,7 +69,7 @@ class ThermalDrift(Effect):
 
 
 class DriftByTurning(ThermalDrift):
-    """v′ = v (1 + d (1 − exp(−t/τ)) + c w), w the contact's heat, as |v|, behind the same lag.
+    """v′ = v (1 + d (1 − exp(−t/τ)) + c w), w being |v| behind the same lag: heat of the contact.
 
     What slips in the contact warms the motor where it turns; where it stands it cools.
     """
@@ -77,10 +77,14 @@ class DriftByTurning(ThermalDrift):
     form = "speed, by turning"
     parameters = (
         _DRIFT,
-        replace(
-            _DRIFT,
-            name="final_drift_by_turning",
-            what="the same, of what turning at the highest speed warms besides",
+        Parameter(
+            "final_drift_per_rad_s",
+            "s/rad",
+            0.0,
+            -1.0,
+            1.0,
+            0.001,
+            what="the same, for each rad/s at which it turns for long",
         ),
         _WARM_UP,
     )
@@ -93,9 +97,10 @@ class DriftByTurning(ThermalDrift):
         signal, context, values
             As in `Effect.apply`.
         """
-        turns, constant_s = np.sqrt(travelling(signal, context)), values["warm_up_s"]
+        constant_s = values["warm_up_s"]
+        turned_rad_s = context.behind(np.abs(signal), constant_s)
         drift = values["final_drift"] * context.warmed(constant_s)
-        drift += values["final_drift_by_turning"] * context.warmed_by(turns, constant_s)
+        drift += values["final_drift_per_rad_s"] * turned_rad_s
         return signal * np.maximum(1.0 + drift, 0.0)
 
 
