@@ -11,7 +11,15 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _NEARLY_ALL = 0.99
 _UNITS = {"1": "", "deg": "°"}
 # How a name ends in its unit, where it is not the unit as it is written.
-_ENDINGS = {"rad/s": "_rad_s", "N·m": "_nm", "1/s": "_hz", "Hz": "_hz", "°C": "_c", "%": "_percent"}
+_ENDINGS = {
+    "rad/s": "_rad_s",
+    "s/rad": "_s_per_rad",
+    "N·m": "_nm",
+    "1/s": "_hz",
+    "Hz": "_hz",
+    "°C": "_c",
+    "%": "_percent",
+}
 _SMALL = 1e-3  # of a unit: readers see less than that in a smaller one
 _SMALLER = {
     "s": (1e6, "µs"),

@@ -57,6 +57,7 @@ def test_an_estimate_has_the_digits_of_its_interval(estimate: Estimate, text: st
         ("delay_s", "s", "delay"),
         ("rate_hz", "1/s", "rate"),
         ("drag_rad_s", "rad/s", "drag"),
+        ("drift_by_turning_s_per_rad", "s/rad", "drift by turning"),
         ("one_sided", "1", "one sided"),
     ],
 )

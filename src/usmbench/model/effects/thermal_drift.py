@@ -78,7 +78,7 @@ class DriftByTurning(ThermalDrift):
     parameters = (
         _DRIFT,
         Parameter(
-            "final_drift_per_rad_s",
+            "final_drift_by_turning_s_per_rad",
             "s/rad",
             0.0,
             -1.0,
@@ -100,7 +100,7 @@ class DriftByTurning(ThermalDrift):
         constant_s = values["warm_up_s"]
         turned_rad_s = context.behind(np.abs(signal), constant_s)
         drift = values["final_drift"] * context.warmed(constant_s)
-        drift += values["final_drift_per_rad_s"] * turned_rad_s
+        drift += values["final_drift_by_turning_s_per_rad"] * turned_rad_s
         return signal * np.maximum(1.0 + drift, 0.0)
 
 

@@ -26,7 +26,7 @@ def _context(speed_rad_s: Array) -> Context:
 def _drifted(speed_rad_s: Array, context: Context) -> Array:
     values = {
         "final_drift": BY_DRIVE,
-        "final_drift_per_rad_s": BY_TURNING,
+        "final_drift_by_turning_s_per_rad": BY_TURNING,
         "warm_up_s": CONSTANT_S,
     }
     return DriftByTurning().apply(speed_rad_s, context, values) / speed_rad_s - 1.0
