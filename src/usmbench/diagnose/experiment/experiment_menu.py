@@ -10,7 +10,7 @@ from usmbench.diagnose.experiment.experiment_range import Range
 from usmbench.diagnose.experiment.proposal import Document, Experiment
 
 DURATION_S = 30.0
-_WINDOWS = 6 * FEWEST_WINDOWS  # at least: some are at starts, or beyond the range
+_WINDOWS = 6 * FEWEST_WINDOWS  # at least, as some are at starts; nothing measured sets it
 _SHORTEST_DWELL = 4
 _LEVELS = 9
 _SEED = 1

@@ -16,7 +16,12 @@ from usmbench.model.effects.base import Array, Effect, Values
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.parameter import Parameter
 from usmbench.model.effects.resonance import AlongResonance, WithoutResonance, vibrating_less
-from usmbench.model.effects.weaker_drive import HELD_BACK, travelling, weaker
+from usmbench.model.effects.weaker_drive import (
+    HELD_BACK,
+    SLOWEST_SUPPLY_S,
+    travelling,
+    weaker,
+)
 
 _MEANING = "The drive voltages give way while the motor delivers power: fast is slower than it was."
 _MEND = "Watch both amplitudes at full speed and at 0°; look at the supply, its cable and fuse."
@@ -33,13 +38,12 @@ _HELD = replace(
     HELD_BACK,
     what="speed that friction takes as well at that power, most near standstill",
 )
-# What follows its load more slowly than this is heat.
 _STORE = Parameter(
     "store_s",
     "s",
     0.1,
     0.005,
-    2.0,
+    SLOWEST_SUPPLY_S,
     0.05,
     scanned=True,
     what="time constant with which the supply follows its load",

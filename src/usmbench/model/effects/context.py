@@ -64,6 +64,16 @@ class Context:
         """Share of each window in which the motor was driven, shape (N,)."""
         return self.driving.share_at(self.t_s)
 
+    def moved_rad_s(self, phase_deg: Array) -> Array:
+        """Return what the settled speed gains at other phases than those commanded, shape (N,).
+
+        Parameters
+        ----------
+        phase_deg
+            The other phases, shape (N,).
+        """
+        return self.settled_rad_s(phase_deg) - self.settled_rad_s(self.phase_deg)
+
     def warmed(self, constant_s: float) -> Array:
         """Return how warm the run has made the motor, as a share of the most, shape (N,).
 

@@ -108,11 +108,7 @@ class DirectedEdges(Effect):
         outward = last_way(np.diff(np.abs(context.phase_deg), prepend=0.0))
         farther_deg = values["width_deg"] * self.share(outward)
         shift_deg = farther_deg * np.sign(context.phase_deg)
-        return (
-            signal
-            + context.settled_rad_s(context.phase_deg - shift_deg)
-            - context.settled_rad_s(context.phase_deg)
-        )
+        return signal + context.moved_rad_s(context.phase_deg - shift_deg)
 
     def share(self, outward: Array) -> Array:
         """Return how much of the width the edges are farther out, shape (N,).
@@ -183,8 +179,7 @@ class Play(Effect):
         begin_deg = context.phase_deg[0] - 0.5 * width_deg * np.sign(moves_deg[moves_deg != 0.0][0])
         passed_deg = np.cumsum(passed_on(moves_deg, width_deg))
         behind_deg = begin_deg + np.concatenate(([0.0], passed_deg))
-        plain = context.settled_rad_s(context.phase_deg)
-        return signal + context.settled_rad_s(behind_deg) - plain
+        return signal + context.moved_rad_s(behind_deg)
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
         """Return widths from a fiftieth of a degree to that of a wide dead zone.

@@ -10,7 +10,8 @@ from usmbench.model.effects.context import Context, middle_rad
 from usmbench.model.effects.parameter import Parameter, Wave
 
 _TURNS = 0.1  # an arc in which a ripple bends by a twentieth of itself
-# Of the ripple once a revolution: what ripples more twice is another fault.
+# Of the ripple once a revolution: what ripples more twice is another fault. Nothing measured sets
+# where that begins.
 _SMALLER, _OF_ONCE = (-0.4, 0.4), "share of that ripple that goes"
 _ROUNDS = 5  # of Newton's, after which a ripple of a half leaves 1e-14 rad
 

@@ -162,8 +162,7 @@ class WiderDeadZone(Effect):
         """
         phase_deg = context.phase_deg
         nearer_deg = np.maximum(np.abs(phase_deg) - values["wider_deg"], 0.0)
-        there = context.settled_rad_s(np.sign(phase_deg) * nearer_deg)
-        return signal + there - context.settled_rad_s(phase_deg)
+        return signal + context.moved_rad_s(np.sign(phase_deg) * nearer_deg)
 
 
 class _AlongBend(Effect):

@@ -51,9 +51,16 @@ class SlowDynamics(DynamicsEffect):
         if added_s <= 0.0:
             return linear
         known = lag_of(linear, window_s)
-        if known is not None:
-            slower = replace(known, tau_s=known.tau_s + added_s).linear_part(window_s)
-            return replace(slower, slip_limit_rad_s=linear.slip_limit_rad_s)
+        if known is None:
+            return self._slower(linear, added_s, window_s)
+        slower = self._slower_lag(known, added_s, window_s)
+        return replace(slower, slip_limit_rad_s=linear.slip_limit_rad_s)
+
+    def _slower_lag(self, lag: Lag, added_s: float, window_s: float) -> LinearPart:
+        return replace(lag, tau_s=lag.tau_s + added_s).linear_part(window_s)
+
+    def _slower(self, linear: LinearPart, added_s: float, window_s: float) -> LinearPart:
+        """Return dynamics that are no lag with their slowest real pole slower."""
         poles = np.roots(np.r_[1.0, linear.a])
         real = (np.abs(poles.imag) < 1e-9) & (poles.real > _FASTEST) & (poles.real < 1.0)
         rest, tau_s = poles, 0.0
@@ -103,36 +110,23 @@ class AnotherLag(SlowDynamics):
             return "the model's torque has a limit, and is followed by one lag only"
         return None
 
-    def linear_part(self, linear: LinearPart, context: Context, values: Values) -> LinearPart:
-        """Return the linear part with a lag behind it.
+    def _slower_lag(self, lag: Lag, added_s: float, window_s: float) -> LinearPart:
+        """Return (τ L(τ) − d L(d)) / (τ − d), both lags in partial fractions."""
+        if abs(added_s - lag.tau_s) < _ALIKE * lag.tau_s:
+            added_s = (1.0 + _ALIKE) * lag.tau_s
+        own, other = (one.linear_part(window_s) for one in (lag, replace(lag, tau_s=added_s)))
+        share = lag.tau_s / (lag.tau_s - added_s)
+        mine = np.convolve(own.b, np.r_[1.0, other.a])
+        its = np.convolve(other.b, np.r_[1.0, own.a])
+        a = np.convolve(np.r_[1.0, own.a], np.r_[1.0, other.a])[1:]
+        return replace(own, a=a, b=share * mine + (1.0 - share) * its)
 
-        Parameters
-        ----------
-        linear, context, values
-            As in `DynamicsEffect.linear_part`.
-        """
-        added_s, window_s = values["added_s"], context.window_s
-        if added_s <= 0.0:
-            return linear
-        known = lag_of(linear, window_s)
-        if known is not None:
-            return _one_behind_the_other(known, added_s, window_s)
+    def _slower(self, linear: LinearPart, added_s: float, window_s: float) -> LinearPart:
+        """Return dynamics that are no lag with one behind them."""
         pole = math.exp(-window_s / added_s)
         left = (1.0 - pole) * added_s / window_s
         a = np.convolve(np.r_[1.0, linear.a], [1.0, -pole])[1:]
         return replace(linear, a=a, b=np.convolve(linear.b, [1.0 - left, left - pole]))
-
-
-def _one_behind_the_other(lag: Lag, added_s: float, window_s: float) -> LinearPart:
-    """Return a lag τ and one of d: (τ L(τ) − d L(d)) / (τ − d) in partial fractions."""
-    if abs(added_s - lag.tau_s) < _ALIKE * lag.tau_s:
-        added_s = (1.0 + _ALIKE) * lag.tau_s
-    own, other = (one.linear_part(window_s) for one in (lag, replace(lag, tau_s=added_s)))
-    share = lag.tau_s / (lag.tau_s - added_s)
-    mine = np.convolve(own.b, np.r_[1.0, other.a])
-    its = np.convolve(other.b, np.r_[1.0, own.a])
-    a = np.convolve(np.r_[1.0, own.a], np.r_[1.0, other.a])[1:]
-    return replace(own, a=a, b=share * mine + (1.0 - share) * its)
 
 
 FORMS = (SlowDynamics(), AnotherLag())

@@ -10,7 +10,7 @@ from usmbench.model.effects.base import Array, Effect, Values
 from usmbench.model.effects.context import Context, longest_s
 from usmbench.model.effects.parameter import Parameter
 from usmbench.model.effects.resonance import AlongResonance, WithoutResonance, detuned
-from usmbench.model.effects.weaker_drive import weaker
+from usmbench.model.effects.weaker_drive import SLOWEST_SUPPLY_S, weaker
 
 _MEANING = "The speed changes over the run as the motor warms and its resonance moves."
 _MEND = "Warm up for longer, log the stator's temperature, and let the frequency follow it."
@@ -23,9 +23,16 @@ _DRIFT = Parameter(
     0.01,
     what="share of the speed that is gained when all is warm; negative is lost",
 )
-# A drift that is over within two seconds is no warm-up: it would look like another gain.
+# A drift that is over sooner is no warm-up: it would look like another gain.
 _WARM_UP = Parameter(
-    "warm_up_s", "s", 30.0, 2.0, 3000.0, 5.0, scanned=True, what="time constant of the warming"
+    "warm_up_s",
+    "s",
+    30.0,
+    SLOWEST_SUPPLY_S,
+    3000.0,
+    5.0,
+    scanned=True,
+    what="time constant of the warming",
 )
 
 
@@ -51,8 +58,11 @@ class ThermalDrift(Effect):
         signal, context, values
             As in `Effect.apply`.
         """
-        warmed = context.warmed(values["warm_up_s"])
-        return signal * np.maximum(1.0 + values["final_drift"] * warmed, 0.0)
+        return signal * np.maximum(1.0 + self._drift(signal, context, values), 0.0)
+
+    def _drift(self, _signal: Array, context: Context, values: Values) -> Array:
+        """Return the share of the speed that is gained, shape (N,)."""
+        return values["final_drift"] * context.warmed(values["warm_up_s"])
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
         """Return time constants from a thirtieth of the run to three runs.
@@ -89,19 +99,11 @@ class DriftByTurning(ThermalDrift):
         _WARM_UP,
     )
 
-    def apply(self, signal: Array, context: Context, values: Values) -> Array:
-        """Return the settled speed.
-
-        Parameters
-        ----------
-        signal, context, values
-            As in `Effect.apply`.
-        """
-        constant_s = values["warm_up_s"]
-        turned_rad_s = context.behind(np.abs(signal), constant_s)
-        drift = values["final_drift"] * context.warmed(constant_s)
-        drift += values["final_drift_by_turning_s_per_rad"] * turned_rad_s
-        return signal * np.maximum(1.0 + drift, 0.0)
+    def _drift(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the share of the speed that is gained, shape (N,)."""
+        turned_rad_s = context.behind(np.abs(signal), values["warm_up_s"])
+        by_turning = values["final_drift_by_turning_s_per_rad"] * turned_rad_s
+        return super()._drift(signal, context, values) + by_turning
 
 
 class DriftingFriction(WithoutResonance, ThermalDrift):

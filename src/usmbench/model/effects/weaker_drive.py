@@ -7,6 +7,8 @@ from usmbench.model.effects.context import Context
 from usmbench.model.effects.parameter import Parameter
 from usmbench.model.effects.resonance import WithoutResonance
 
+# What follows its load more slowly is heat, and no supply; nothing measured sets it.
+SLOWEST_SUPPLY_S = 2.0
 LOST = Parameter("speed_lost", "1", 0.0, 0.0, 0.9, 0.01, what="share of the speed that is lost")
 HELD_BACK = Parameter(
     "held_back_rad_s",
