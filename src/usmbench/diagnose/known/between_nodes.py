@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.features import Features
+from usmbench.diagnose.known.gaps import KINK
 from usmbench.diagnose.known.shapes import felt
 from usmbench.model.polygon import hats, turns
 
@@ -12,7 +13,6 @@ Array = NDArray[np.float64]
 
 _BY_CHANCE = 2.0  # standard deviations by which a slope may turn at a node
 _TRIFLE = 2e-4  # of the highest speed
-_KINK = 0.25  # a slope that turns by s within h leaves a straight line across by up to s h / 4
 
 
 def deviations_rad_s(features: Features, mean: Array, root: Array) -> Array:
@@ -28,19 +28,20 @@ def deviations_rad_s(features: Features, mean: Array, root: Array) -> Array:
     Returns
     -------
     numpy.ndarray
-        Standard deviations halfway between two nodes, shape (points, nodes − 1); 0 where the slope
-        turns at neither of them by more than by chance.
+        Standard deviations halfway between two nodes, shape (points, nodes − 1); 0 where both were
+        measured, and the slope turns at neither by more than by chance.
     """
     width_deg = np.diff(features.nodes_deg)
     n = width_deg.size + 1
     turn = turns(np.array(features.nodes_deg))
+    unmeasured = np.array(features.between_rad_s or np.zeros(width_deg.size))
     off = []
     for k in range(features.n_points):
         own = slice(k * n, (k + 1) * n)
         by_chance = np.linalg.norm(turn @ root[own], axis=1)
         turned = np.maximum(np.abs(turn @ mean[own]) - _BY_CHANCE * by_chance, 0.0)
-        bends = _KINK * turned * np.minimum(width_deg[:-1], width_deg[1:])
-        off.append(np.maximum(np.r_[bends, 0.0], np.r_[0.0, bends]))
+        bends = KINK * turned * np.minimum(width_deg[:-1], width_deg[1:])
+        off.append(np.maximum.reduce([np.r_[bends, 0.0], np.r_[0.0, bends], unmeasured]))
     return np.where(np.array(off) > _TRIFLE * features.top_rad_s, off, 0.0)
 
 

@@ -105,8 +105,11 @@ class Features:
         Largest change of the speed with the relative drive frequency; None where the model knows
         one frequency only.
     unmeasured_rad_s
-        How far off the curve may be at each node for lying between measured phases; none for
-        phases that lie close.
+        How far off the curve may be at each node, for lying between measured phases or having few
+        rows near; none where nothing is known of that.
+    between_rad_s
+        How far off a straight line from each node to the next may be in a gap between measured
+        phases; none where nothing is known of that.
     """
 
     nodes_deg: tuple[float, ...]
@@ -116,6 +119,7 @@ class Features:
     n_places: int = 0
     steepest_rad_s: float | None = None
     unmeasured_rad_s: tuple[float, ...] = ()
+    between_rad_s: tuple[float, ...] = ()
 
     @property
     def groups(self) -> list[str]:
@@ -246,4 +250,5 @@ class Features:
             "n_places": self.n_places,
             "steepest_rad_s": self.steepest_rad_s,
             "unmeasured_rad_s": list(self.unmeasured_rad_s),
+            "between_rad_s": list(self.between_rad_s),
         }

@@ -8,8 +8,13 @@ from numpy.typing import NDArray
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.cutting.warmth import n_constants
 from usmbench.diagnose.known.features import Features
+from usmbench.diagnose.known.gaps import Gaps
 from usmbench.diagnose.known.shapes import TABLED, phase_nodes
-from usmbench.diagnose.known.unmeasured import short_of_ends_deg, unheld_rad_s, unmeasured_rad_s
+from usmbench.diagnose.known.unmeasured import (
+    by_chance_rad_s,
+    short_of_ends_deg,
+    unheld_rad_s,
+)
 from usmbench.model.effects.context import longest_s
 
 Array = NDArray[np.float64]
@@ -31,10 +36,15 @@ def features_of(stretches: Sequence[Stretch]) -> Features:
     every_deg = np.sort(np.concatenate(phase_deg))
     measured_deg = np.unique(every_deg)
     nodes_deg = phase_nodes(table_deg, speeds, measured_deg, short_of_ends_deg(measured_deg))
-    between = unmeasured_rad_s(nodes_deg, measured_deg, table_deg, speeds)
+    nodes, gaps = np.array(nodes_deg), Gaps.of(measured_deg, table_deg, speeds)
     top_rad_s = max(max(float(np.max(np.abs(s.settled_rad_s))) for s in stretches), 1e-9)
     at_ends = unheld_rad_s(nodes_deg, every_deg, top_rad_s)
-    unmeasured = tuple(float(f"{off:.4g}") for off in np.hypot(between, at_ends))
+    used_deg, left = (
+        np.concatenate([part[s.use] for part, s in zip(parts, stretches, strict=True)])
+        for parts in (phase_deg, [s.residual_rad_s for s in stretches])
+    )
+    few = by_chance_rad_s(nodes_deg, used_deg, left)
+    unmeasured = np.linalg.norm([gaps.at_nodes_rad_s(nodes), at_ends, few], axis=0)
     return Features(
         nodes_deg,
         top_rad_s,
@@ -42,8 +52,14 @@ def features_of(stretches: Sequence[Stretch]) -> Features:
         len(stretches[0].points),
         len(stretches[0].places),
         _steepest_rad_s(stretches),
-        unmeasured,
+        _rounded(unmeasured),
+        _rounded(gaps.between_nodes_rad_s(nodes)),
     )
+
+
+def _rounded(off_rad_s: Array) -> tuple[float, ...]:
+    """Numbers as a file keeps them."""
+    return tuple(float(f"{off:.4g}") for off in off_rad_s)
 
 
 def _at_point(stretches: Sequence[Stretch], point: int, phase_deg: Array) -> Array:

@@ -113,10 +113,13 @@ def _features(content: dict[str, Any]) -> Features:
     nodes_deg = tuple(float(node) for node in content["nodes_deg"])
     steepest_rad_s = content.get("steepest_rad_s")
     unmeasured_rad_s = content.get("unmeasured_rad_s", ())
+    between_rad_s = content.get("between_rad_s", ())
     if np.any(np.diff(nodes_deg) <= 0.0):
         raise ValueError("features.nodes_deg does not rise")
     if len(unmeasured_rad_s) not in (0, len(nodes_deg)):
         raise ValueError("features.unmeasured_rad_s has not one value a node")
+    if len(between_rad_s) not in (0, len(nodes_deg) - 1):
+        raise ValueError("features.between_rad_s has not one value between two nodes")
     return Features(
         nodes_deg,
         float(content["top_rad_s"]),
@@ -125,6 +128,7 @@ def _features(content: dict[str, Any]) -> Features:
         int(content.get("n_places", 0)),
         None if steepest_rad_s is None else float(steepest_rad_s),
         tuple(float(off) for off in unmeasured_rad_s),
+        tuple(float(off) for off in between_rad_s),
     )
 
 

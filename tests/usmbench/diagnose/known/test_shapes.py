@@ -9,13 +9,14 @@ from hypothesis import strategies as st
 
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.diagnose.known.gaps import Gaps
 from usmbench.diagnose.known.shapes import (
     PHASE_NODES,
     detuned_rad_s,
     phase_nodes,
     shown,
 )
-from usmbench.diagnose.known.unmeasured import short_of_ends_deg, unmeasured_rad_s
+from usmbench.diagnose.known.unmeasured import short_of_ends_deg
 from usmbench.identify.lag_family import LagFamily
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
 from usmbench.model.linear import free_run
@@ -74,7 +75,7 @@ def test_nodes_lie_at_measured_phases_where_one_is_near(n: int, corner_deg: floa
     away_deg = np.abs(measured_deg[:, None] - nodes_deg).min(axis=1)
     # One that has none of its own would have to share it: nodes are not as dense there.
     assert np.all(away_deg[away_deg > 1e-3] > 0.5)
-    off = np.array(unmeasured_rad_s(nodes_deg.tolist(), measured_deg, table_deg, [speed_rad_s]))
+    off = Gaps.of(measured_deg, table_deg, [speed_rad_s]).at_nodes_rad_s(nodes_deg)
     at_one = np.abs(nodes_deg[:, None] - measured_deg).min(axis=1) < 1e-3
     assert np.all(off[at_one] == 0.0)
 
