@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 
 from usmbench.diagnose.fitting.fit import Fit
@@ -77,11 +77,17 @@ def rank(
     """
     held = () if given is None else given.effects
     gained = 0.0 if given is None else given.statistic
+
+    def chance(alone: Fit) -> float:
+        return min(1.0, alone.p_value * len(effects))
+
     fits = sorted((fit_effect(problem, e, held) for e in effects), key=lambda f: -f.statistic)
     for k, fit in enumerate(fits):
         # To first order a size may come out far too small: a drag bends where the rotor stops.
         if k < _REFINED or not any(p.scanned for p in fit.effects[-1].effect.parameters):
-            better = refine(problem, sharpen(problem, fit, held))
+            # What is tried so near is not charged for: chance must have no part in it.
+            clear = k == 0 and chance(_alone(fit, fit.statistic / spread**2)) < CLEAR
+            better = refine(problem, sharpen(problem, fit, held, closely=clear))
             fits[k] = Fit(better.effects, better.statistic - gained, fit.roughness)
 
     @cache  # several forms have the same lookalikes
@@ -98,11 +104,15 @@ def rank(
             misfit = max(_MISFIT, telling_deviance(statistic))
         elif _passes_for_it(effect, statistic, brings):
             misfit = statistic
-        alone = Fit(fit.effects[-1:], statistic, fit.roughness)
-        p_value = min(1.0, replace(alone, statistic=statistic - misfit).p_value * len(effects))
-        score = statistic - misfit - _price(alone, price)
+        p_value = chance(_alone(fit, statistic - misfit))
+        score = statistic - misfit - _price(_alone(fit, statistic), price)
         found.append(Ranked(effect, fit, statistic, p_value, score, misfit))
     return sorted(found, key=lambda r: -r.score)
+
+
+def _alone(fit: Fit, statistic: float) -> Fit:
+    """Return the last effect of a fit with what it brings."""
+    return Fit(fit.effects[-1:], statistic, fit.roughness)
 
 
 def _passes_for_it(effect: Effect, statistic: float, brings: Callable[[Effect], float]) -> bool:

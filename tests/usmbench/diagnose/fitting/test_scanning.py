@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.fitting.fit import Fit
-from usmbench.diagnose.fitting.scanning import fit_effect
+from usmbench.diagnose.fitting.scanning import fit_effect, sharpen
 from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.pipeline import diagnose
@@ -48,6 +48,27 @@ def test_a_step_between_two_of_the_grid_is_found_among_random_phases(seed: int) 
     assert cause.parameters[0].value == pytest.approx(step_deg, rel=1e-3)
 
 
+@settings(max_examples=8, deadline=None)
+@given(st.floats(3.0, 8.0), st.sampled_from([-0.07, -0.03, 0.03, 0.07]))
+def test_a_step_some_percent_off_is_put_right_by_a_close_look(step_deg: float, off: float) -> None:
+    effect = find_effect("phase_quantisation", "cut to zero")
+    point = OperatingPoint(None, None, CURVE, (-90.0, 90.0), (-15.0, 15.0), NOISE_RAD_S)
+    model = HammersteinModel(first_order(0.0035, 0.0, WINDOW_S), (point,), "fast")
+    phase_deg = np.repeat(np.random.default_rng(3).uniform(-88.0, 88.0, 120), 5)
+    t_s = WINDOW_S * np.arange(1.0, phase_deg.size + 1.0)
+    context = Context(t_s, WINDOW_S, phase_deg, CURVE.speed_rad_s, model.linear)
+    speed_rad_s = extended_run([Applied(effect, {"step_deg": step_deg})], context).speed_rad_s
+    record = Record("run", t_s, phase_deg, speed_rad_s, np.full(t_s.size, WINDOW_S))
+    stretches, _ = cut_runs([record], model, ())
+    noise = estimate_noise(stretches, [0.02 * np.sin(t_s)], [s.use for s in stretches])
+    problem = Problem(stretches, knowledge_of(model), noise, [s.use for s in stretches])
+    beside = (Applied(effect, {"step_deg": step_deg * (1.0 + off)}),)
+    near = Fit(beside, problem.drop(beside), 0.0)
+    closer = sharpen(problem, near, closely=True)
+    assert closer.effects[-1].values["step_deg"] == pytest.approx(step_deg, rel=3e-3)
+    assert closer.statistic > max(near.statistic, 0.99 * problem.deviance)
+
+
 @pytest.mark.parametrize("name", ["transport_delay", "phase_quantisation", "coupling_backlash"])
 def test_a_scan_beside_a_cause_that_changes_little_ends_where_one_through_all_does(
     name: str, monkeypatch: pytest.MonkeyPatch
@@ -70,7 +91,7 @@ def test_a_scan_beside_a_cause_that_changes_little_ends_where_one_through_all_do
     problem = Problem(stretches, knowledge_of(model), noise, [s.use for s in stretches])
     effect = next(e for e in library() if e.name == name)
     alone = fit_effect(problem, effect, beside)
-    monkeypatch.setattr("usmbench.diagnose.fitting.scanning._SLIGHT", 0.0)
+    monkeypatch.setattr("usmbench.diagnose.fitting.shape_search._SLIGHT", 0.0)
     through_all = fit_effect(problem, effect, beside)
     assert alone.statistic == pytest.approx(through_all.statistic, rel=0.05, abs=2.0)
     assert problem.drop(alone.effects) - problem.drop(beside) == pytest.approx(alone.statistic)
