@@ -18,9 +18,11 @@ from usmbench.model.extended import Applied, extended_run
 Array = NDArray[np.float64]
 
 _PLAIN = 300.0  # chi-squared with two: neither chance nor what else the model misses
+_LIKEWISE = 30.0  # of another run that ripples by about as much: no chance, one in three million
 _SAME = 4.0  # standard deviations of a phase
 _ALIKE = 1.5  # times the strongest one's ripple, or less by as much
 _SETTLED, _TURNING = 2, 0.1  # windows after a step; of the highest speed
+_GENTLE = 0.1  # of the highest speed, a window: a command that glides
 _TRIED = 16  # angles of a revolution
 _BLOCKS = 20  # in which what else the model misses is taken to be off the same way
 
@@ -53,11 +55,11 @@ def at_one_angle(stretches: Sequence[Stretch]) -> tuple[list[Stretch], list[str]
     turned = {
         r: phase_rad - ripple.phase_rad
         for r, ripple in found.items()
-        if ripple.statistic > _PLAIN and share / _ALIKE < ripple.share < share * _ALIKE
+        if ripple.statistic > _LIKEWISE and share / _ALIKE < ripple.share < share * _ALIKE
     }
-    plainly = _SAME / np.sqrt(min((found[r].statistic for r in turned), default=1.0))
-    apart = (abs(np.angle(np.exp(1j * by_rad))) for by_rad in turned.values())
-    if not any(by_rad > plainly for by_rad in apart):
+    plain = found[first].statistic > _PLAIN
+    apart = (found[r].statistic * np.angle(np.exp(1j * turned[r])) ** 2 for r in turned)
+    if not (plain and any(by > _SAME**2 for by in apart)):
         return list(stretches), []
     named = next(s.name for s in stretches if s.run == first)
     warning = (
@@ -138,8 +140,9 @@ def _ripple(stretches: Sequence[Stretch]) -> _Ripple:
     columns, residual = [], []
     for s in stretches:
         speed = s.simulated_rad_s
-        turns = np.abs(speed) > _TURNING * float(np.max(np.abs(speed), initial=0.0))
-        rows = s.use & turns & ((s.lag >= _SETTLED) | (s.step_rad_s == 0.0))
+        top_rad_s = float(np.max(np.abs(speed), initial=0.0))
+        gently = (s.lag >= _SETTLED) | (np.abs(s.step_rad_s) < _GENTLE * top_rad_s)
+        rows = s.use & (np.abs(speed) > _TURNING * top_rad_s) & gently
         angle = s.context.angle_rad
         if angle is None or not rows.any():
             continue

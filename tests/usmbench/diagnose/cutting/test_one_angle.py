@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from known_motor import applied, identified, measured
+from known_motor import applied, driven, identified, measured
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.one_angle import at_one_angle
 from usmbench.diagnose.pipeline import diagnose
@@ -32,6 +32,24 @@ def test_a_disc_is_named_from_runs_that_begin_at_other_angles(
     cosine, sine = (parameter.value for parameter in cause.parameters)
     assert np.hypot(cosine, sine) == pytest.approx(0.012, rel=0.1)
     assert any("begins anew in each run" in warning for warning in found.warnings)
+
+
+@pytest.mark.parametrize("n", [300, 1000])
+def test_a_short_run_whose_phase_glides_is_shifted_to_a_long_one(
+    model: HammersteinModel, n: int
+) -> None:
+    gliding_deg = 88.0 * np.sin(2.0 * np.pi * np.arange(n) / 200.0)
+    disc = applied("encoder_eccentricity", "", cosine=0.012 * np.cos(2.6), sine=0.012 * np.sin(2.6))
+    runs = [_eccentric(3, 0.012, 0.4), driven(gliding_deg, 4, disc)]
+    stretches, _ = cut_runs(runs, model, ())
+    turned, warnings = at_one_angle(stretches)
+    assert len(warnings) == 1
+    by_rad = [
+        float(np.mean(after.context.angle_rad - before.context.angle_rad))
+        for before, after in zip(stretches, turned, strict=True)
+        if after.context.angle_rad is not None and before.context.angle_rad is not None
+    ]
+    assert by_rad[1] - by_rad[0] == pytest.approx(0.4 - 2.6, abs=0.3)
 
 
 def test_an_extended_model_knows_its_ripple_in_a_run_that_begins_elsewhere(
