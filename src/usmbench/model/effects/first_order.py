@@ -11,8 +11,8 @@ from usmbench.model.linear import dead_time_s, time_constant_s
 
 _SAME = 0.03  # largest difference of a coefficient that still is the same lag
 # Of a window: by as much speeds that are averages may follow too soon, as those of a simulation in
-# whole steps do. Without it they pass for samples behind a delay.
-SOONER = 0.03
+# four whole steps do. Without it they pass for samples behind a delay.
+SOONER = 0.13
 _EXACT = 1e-6  # difference that is none
 _FASTEST = 1e-3  # of a window: a lag faster than this is none
 
