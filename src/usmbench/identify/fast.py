@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from usmbench.identify.data import Dataset, describe
 from usmbench.identify.gather import from_windows
 from usmbench.identify.lag_family import LagFamily
+from usmbench.identify.no_dead_time import without_needless_dead_time
 from usmbench.identify.polish import polished
 from usmbench.identify.projected import Projected
 from usmbench.identify.residual_tests import residual_tests
@@ -60,10 +61,11 @@ def identify_fast(records: Sequence[Record], options: FastOptions) -> Identifica
     data, part, shape, search = _at_one_gain(measured, options)
     knots_deg = shape.knots_deg
     family = search.problem.family
+    search = without_needless_dead_time(search)
     share = part.n / data.n
     priors = [np.sqrt(share) * prior for prior in shape.priors(data)]
     linearised = search.problem.linearised()
-    best = polished(data, knots_deg, family, search, linearised, priors)
+    best = polished(data, knots_deg, search.problem.family, search, linearised, priors)
     estimate = Estimate(family, best, linearised, share)
     # A torque limit is simulated through windows' averages.
     if isinstance(family, LagFamily) and not family.sampled:

@@ -29,7 +29,7 @@ class LagFamily:
     Parameters
     ----------
     longest_dead_time
-        Largest dead time in windows.
+        Largest dead time in windows; 0 for none at all.
     sampled
         Whether speeds are those at the ends of windows.
     """
@@ -85,7 +85,8 @@ class LagFamily:
         parameters, step
             Where from and how far, shape (2,).
         """
-        low = np.array([math.log(_SHORTEST), 0.0 if self.sampled else -SOONER])
+        soonest = 0.0 if self.sampled or not self.longest_dead_time else -SOONER
+        low = np.array([math.log(_SHORTEST), soonest])
         high = np.array([math.log(_LONGEST), self.longest_dead_time])
         moved: Array = np.clip(parameters + step, low, high)
         return moved

@@ -19,8 +19,12 @@ from usmbench.identify.separable import separable_start
 Array = NDArray[np.float64]
 
 _STIFFNESS = 1e-4
-_ROUGHLY, _FINELY = 0.02, 1e-3  # of the sum of squares, where a search may stop
-_PLAINLY, _PLAIN_SHARE = 50.0, 0.03  # deviance, share of it: other windows fit better by more
+_ROUGHLY = 0.02  # of the sum of squares, where a search may stop
+FINELY = 1e-3
+"""The same, where it decides."""
+PLAINLY = 50.0
+"""Deviance that dynamics of another kind have to take: a curve that misses a corner takes some."""
+_PLAIN_SHARE = 0.03  # of the sum of squares, likewise
 _DEAD_TIMES = range(6)
 
 
@@ -83,13 +87,13 @@ def or_sampled(averaged: Projected) -> Projected:
     start = family.moved(found, np.zeros_like(found))  # which is never too soon
     sampled = fit_output_error(
         Projected(averaged.stretches, family, start, averaged.weights, averaged.penalties),
-        _FINELY,
+        FINELY,
     )
     gained = averaged.fit.sse - sampled.fit.sse
     # Without noise there is no scale to speak of.
     mean_square = sampled.fit.sse / sum(s.speed_rad_s.size for s in sampled.stretches)
     square = min(min(residual_scales(sampled)) ** 2, mean_square)
-    least = max(_PLAINLY * square, _PLAIN_SHARE * averaged.fit.sse)
+    least = max(PLAINLY * square, _PLAIN_SHARE * averaged.fit.sse)
     return sampled if gained > least else averaged
 
 
