@@ -140,8 +140,22 @@ class ShapeSearch:
         self, scanned: Sequence[Parameter], sized: Sequence[Parameter]
     ) -> tuple[dict[str, float], float, float]:
         """Try a grid of shapes; return the best, and the roughness that it is charged for."""
+        if not self._effect.apart:
+            return self._scan(scanned, sized, {})
+        nulls = {p.name: p.null for p in scanned}
+        alone = [self._scan([p], sized, nulls) for p in scanned]
+        shape = {p.name: one[0][p.name] for p, one in zip(scanned, alone, strict=True)}
+        return *self.exactly(shape, sized), sum(roughness for *_, roughness in alone)
+
+    def _scan(
+        self,
+        scanned: Sequence[Parameter],
+        sized: Sequence[Parameter],
+        others: Mapping[str, float],
+    ) -> tuple[dict[str, float], float, float]:
+        """Try a grid of shapes, other parameters held."""
         shapes = [
-            {p.name: float(x) for p, x in zip(scanned, point, strict=True)}
+            {**others, **{p.name: float(x) for p, x in zip(scanned, point, strict=True)}}
             for point in product(*self.axes(scanned))
         ]
         best: Rated | None = None
@@ -157,7 +171,8 @@ class ShapeSearch:
         if best is None:
             raise ValueError(f"{self._effect.name}: the grid of its scanned parameters is empty")
         if alone:
-            best = self.exactly({p.name: best[0][p.name] for p in scanned}, sized)
+            held = [*others, *(p.name for p in scanned)]
+            best = self.exactly({name: best[0][name] for name in held}, sized)
         caught = [self._caught(peak, scanned) for peak in peaks(near)]
         best = max([best, *caught], key=lambda found: found[1])
         if sized or self._effect.jagged:

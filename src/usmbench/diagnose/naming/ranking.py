@@ -11,6 +11,7 @@ from usmbench.diagnose.fitting.scanning import fit_effect, sharpen
 from usmbench.diagnose.naming.chance import scatters
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.base import Effect
+from usmbench.model.extended import Applied
 
 # The usual levels of a test.
 SIGNIFICANT = 0.01  # of what is weighed further, and of single windows
@@ -18,6 +19,9 @@ CLEAR = 0.05  # family-wise, for a name
 # How many with a scan are refined, the best to first order, since it takes time. Nothing measured
 # sets it or the next.
 _REFINED = 8
+# Of what the best brings to first order, and times the size that this comes to: what is tried of
+# the others. Nothing measured sets them, either.
+_MAY_WIN, _TIMES = 0.1, (2.0, 4.0, 8.0, 16.0)
 _SAME = 0.5  # deviance: two that differ by less change the simulation alike
 TELLING = 9.2  # deviance between two causes that data can tell: 99 % of chi-squared with two
 # What else the model misses decides between causes this near, and not the cause: a share of little
@@ -82,6 +86,9 @@ def rank(
         return min(1.0, alone.p_value * len(effects))
 
     fits = sorted((fit_effect(problem, e, held) for e in effects), key=lambda f: -f.statistic)
+    least = _MAY_WIN * fits[0].statistic if fits else 0.0
+    rest = [_larger(problem, f, held) if f.statistic > least else f for f in fits[_REFINED:]]
+    fits = sorted([*fits[:_REFINED], *rest], key=lambda f: -f.statistic)
     for k, fit in enumerate(fits):
         # To first order a size may come out far too small: a drag bends where the rotor stops.
         if k < _REFINED or not any(p.scanned for p in fit.effects[-1].effect.parameters):
@@ -108,6 +115,23 @@ def rank(
         score = statistic - misfit - _price(_alone(fit, statistic), price)
         found.append(Ranked(effect, fit, statistic, p_value, score, misfit))
     return sorted(found, key=lambda r: -r.score)
+
+
+def _larger(problem: Problem, fit: Fit, held: Sequence[Applied]) -> Fit:
+    """Return a fit with its last effect as large as explains most, where to first order it is less.
+
+    What begins at once, such as friction that falls with the speed, shows little of that at first.
+    """
+    last, before = fit.effects[-1], problem.drop(held)
+    sized = [p for p in last.effect.parameters if not p.scanned]
+    for times in _TIMES if sized else ():
+        sizes = {p.name: p.null + times * (last.values[p.name] - p.null) for p in sized}
+        kept = {p.name: min(max(sizes[p.name], p.low), p.high) for p in sized}
+        effects = (*held, Applied(last.effect, {**last.values, **kept}))
+        brings = problem.drop(effects) - before
+        if brings > fit.statistic:
+            fit = Fit(effects, brings, fit.roughness)
+    return fit
 
 
 def _alone(fit: Fit, statistic: float) -> Fit:

@@ -4,7 +4,6 @@ A cause is weighed beside what is named before it, in a motor that differs from 
 without it. Of a motor that is slower by a sixth that is far off.
 """
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 from usmbench.diagnose.fitting.fit import Fit
@@ -12,6 +11,7 @@ from usmbench.diagnose.fitting.refining import refine
 from usmbench.diagnose.naming.ranking import Ranked
 from usmbench.diagnose.naming.roughly_beside import roughly_beside
 from usmbench.diagnose.naming.stepwise import Named
+from usmbench.diagnose.residual.problem import Problem
 
 # Of what the name brings: less is no rival. How many, since each takes time. Nothing measured
 # sets either.
@@ -30,23 +30,23 @@ def weighed_again(named: Named) -> Named:
         return named
     rankings, fit = [], named.fit
     for ranking in named.rankings:
-        again = sorted(_ranked_again(named, fit, ranking), key=lambda r: -r.score)
+        found, no_rivals = _ranked_again(named, fit, ranking)
+        again = sorted(found, key=lambda r: -r.score)
         fit = again[0].fit
-        weighed = {r.effect.name for r in again}
-        rankings.append([*again, *(r for r in ranking[1:] if r.effect.name not in weighed)])
+        left_out = {r.effect.name for r in again} | no_rivals
+        rankings.append([*again, *(r for r in ranking[1:] if r.effect.name not in left_out)])
     return replace(named, rankings=rankings, fit=fit)
 
 
-def _ranked_again(named: Named, fit: Fit, ranking: list[Ranked]) -> Iterator[Ranked]:
-    """Yield a cause and its rivals, fitted anew beside the other names.
+def _ranked_again(named: Named, fit: Fit, ranking: list[Ranked]) -> tuple[list[Ranked], set[str]]:
+    """Return a cause and its rivals, fitted anew beside the other names, and what is no rival.
 
-    One that was ahead of it is no rival: it did not hold on rows that its fit had not seen. Nor is
+    One that was ahead of it is none: it did not hold on rows that its fit had not seen. Nor is
     one with which the others fit better, and without it as well.
     """
     problem, best = named.problem, ranking[0]
     (own,) = (a for a in fit.effects if a.effect.name == best.effect.name)
     rest = tuple(a for a in fit.effects if a is not own)
-    yield replace(best, fit=replace(fit, effects=(*rest, own)))
     names = {a.effect.name for a in fit.effects}
     others = [r for r in ranking if r.effect.name not in names and r.score <= best.score]
     least = _HALF * (fit.statistic - problem.drop(rest))
@@ -54,14 +54,28 @@ def _ranked_again(named: Named, fit: Fit, ranking: list[Ranked]) -> Iterator[Ran
     rivals: dict[str, Ranked] = {}
     for rival, _ in sorted(near, key=lambda pair: -pair[1]):
         rivals.setdefault(rival.effect.name, rival)
+    again = [replace(best, fit=replace(fit, effects=(*rest, own)))]
     for rival in list(rivals.values())[:_RIVALS]:
         effects = (*rest, rival.fit.effects[-1])
         other = refine(problem, Fit(effects, problem.drop(effects), fit.roughness))
+        other = _in_its_own_motor(problem, other)
         without = other.effects[:-1]
         alone = refine(problem, Fit(without, problem.drop(without), fit.roughness))
         if other.statistic - alone.statistic > least:
             more = (other.statistic - fit.statistic) / named.spread**2
-            yield _by(other, rival, best.statistic + more, len(ranking))
+            again.append(_by(other, rival, best.statistic + more, len(ranking)))
+    held = {*(r.effect.name for r in again), *list(rivals)[_RIVALS:]}
+    return again, {r.effect.name for r in others} - held
+
+
+def _in_its_own_motor(problem: Problem, fit: Fit) -> Fit:
+    """Return a fit refined in the motor that it describes, and what it leaves less there.
+
+    By a motor that shows others a gain that wanders, far beyond chance, would do what they do.
+    """
+    shown = problem.showing(fit.effects)
+    again = refine(shown, replace(fit, statistic=shown.drop(fit.effects)))
+    return replace(again, statistic=problem.deviance - shown.deviance + again.statistic)
 
 
 def _by(fit: Fit, ranked: Ranked, brings: float, n_forms: int) -> Ranked:

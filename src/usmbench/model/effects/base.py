@@ -53,6 +53,7 @@ class Effect(ABC):
     waves: ClassVar[tuple[Wave, ...]] = ()  # pairs of the parameters
     by_chance: ClassVar[bool] = False  # the windows it acts on keep a scatter of its own
     jagged: ClassVar[bool] = False  # values a little apart change other windows; none has a size
+    apart: ClassVar[bool] = False  # each scanned parameter acts on windows of its own
     form_off: ClassVar[float] = PHYSICS  # share of itself by which its form may be off
     early: ClassVar[bool] = False  # the other effects of its stage act on what it leaves
     sporadic: ClassVar[bool] = False  # it acts on single windows; see `SporadicEffect`

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,7 @@ class LaterStart(Effect):
     """A rotor that needs h degrees more than the curve says; scanned, since it starts or not."""
 
     stage = "settled"
-    parameters = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter(
             "start_later_deg",
             "deg",

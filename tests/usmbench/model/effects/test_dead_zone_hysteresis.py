@@ -8,19 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import known_motor
-from known_motor import driven, identified
+from known_motor import applied, driven, identified
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.model.effects.base import Effect
 from usmbench.model.effects.context import Context
-from usmbench.model.effects.dead_zone_hysteresis import (
-    FORMS,
-    AtRest,
-    Backwards,
-    Forwards,
-    OutwardEdges,
-    Play,
-    Sticking,
-)
+from usmbench.model.effects.dead_zone_hysteresis import FORMS, OutwardEdges, Play
+from usmbench.model.effects.sticking import AtRest, Backwards, EachWay, Forwards, Sticking
 from usmbench.model.hammerstein import LinearPart, StaticCurve
 from usmbench.model.linear import free_run
 
@@ -164,6 +157,35 @@ def test_a_motor_that_is_wired_the_other_way_sticks_as_far_out(effect: Effect) -
     found = other.apply(turned.settled_rad_s(turned.phase_deg), turned, values)
     assert np.max(np.abs(plain - context.settled_rad_s(context.phase_deg))) > 0.1
     assert np.array_equal(found, -plain)
+
+
+def test_each_way_starts_as_late_as_alone() -> None:
+    context = context_of([-60.0, -25.0, -20.0, 0.0, 20.0, 25.0, 60.0])
+    settled = context.settled_rad_s(context.phase_deg)
+    forwards = Forwards().apply(settled, context, {"start_later_deg": 8.0})
+    backwards = Backwards().apply(settled, context, {"start_later_deg": 20.0})
+    values = {"forwards_later_deg": 8.0, "backwards_later_deg": 20.0}
+    found = EachWay().apply(settled, context, values)
+    assert np.array_equal(found, np.where(settled > 0.0, forwards, backwards))
+    assert np.any(forwards != settled)
+    assert np.any((backwards != settled) & (settled < 0.0))
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_starts_that_take_more_one_way_than_the_other_have_one_name(seed: int) -> None:
+    rng = np.random.default_rng([seed, 4])
+    forwards_deg, backwards_deg = rng.permutation([rng.uniform(3.0, 5.0), rng.uniform(8.0, 12.0)])
+    hidden = applied(
+        "dead_zone_hysteresis",
+        "sticking, each way its own",
+        forwards_later_deg=forwards_deg,
+        backwards_later_deg=backwards_deg,
+    )
+    phase_deg = np.repeat(rng.uniform(-60.0, 60.0, 300), 5)
+    (cause,) = diagnose([driven(phase_deg, seed, hidden)], identified()).causes
+    assert (cause.name, cause.form) == ("dead_zone_hysteresis", "sticking, each way its own")
+    found = [p.value for p in cause.parameters]
+    assert found == pytest.approx([forwards_deg, backwards_deg], abs=1.2)
 
 
 def _behind_deg(phase_deg: np.ndarray, width_deg: float) -> np.ndarray:

@@ -12,6 +12,7 @@ from usmbench.model.effects import (
     dead_zone_hysteresis,
     encoder_eccentricity,
     speed_scale,
+    sticking,
 )
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.coupling_backlash import CouplingBacklash
@@ -155,7 +156,7 @@ def test_a_start_takes_more_on_one_side_at_rest_or_also_on_the_way_through() -> 
             form.apply(settled, context, {"start_later_deg": 5.0}) != settled
         ).tolist()
         for form in dead_zone_hysteresis.FORMS
-        if isinstance(form, dead_zone_hysteresis.Sticking)
+        if isinstance(form, sticking.Sticking) and not form.apart
     }
     assert stuck == {
         "sticking": [1, 5, 8],
@@ -172,8 +173,7 @@ def test_a_rotor_sticks_at_the_beginning_of_a_run_and_turns_where_one_is_cut() -
         _context(4), phase_deg=phase_deg, settled_rad_s=lambda p: np.maximum(p - 10.0, 0.0)
     )
     cut = replace(begun, t_s=begun.t_s + 3.0)
-    sticking = dead_zone_hysteresis.Sticking()
-    shown = [sticking.apply(settled, c, {"start_later_deg": 5.0}) for c in (begun, cut)]
+    shown = [sticking.Sticking().apply(settled, c, {"start_later_deg": 5.0}) for c in (begun, cut)]
     assert np.allclose(shown, [[0.0, 0.0, 10.0, 2.0], [2.0, 2.0, 10.0, 2.0]])
 
 
