@@ -21,7 +21,7 @@ CLEAR = 0.05  # family-wise, for a name
 _REFINED = 8
 # Of what the best brings to first order, and times the size that this comes to: what is tried of
 # the others. Nothing measured sets them, either.
-_MAY_WIN, _TIMES = 0.1, (2.0, 4.0, 8.0, 16.0)
+_MAY_WIN, _TIMES = 0.05, (3.0, 10.0)
 _SAME = 0.5  # deviance: two that differ by less change the simulation alike
 TELLING = 9.2  # deviance between two causes that data can tell: 99 % of chi-squared with two
 # What else the model misses decides between causes this near, and not the cause: a share of little

@@ -1,0 +1,163 @@
+"""Shapes of one effect, each at its best sizes to first order."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from usmbench.diagnose.fitting.shape_ratings import Rated
+from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.effects.base import Effect
+from usmbench.model.effects.parameter import Parameter
+from usmbench.model.extended import Applied
+
+Array = NDArray[np.float64]
+
+_AT_ONCE = 32  # shapes weighed together
+_NOTHING = 1e-18  # deviance of a change that is none
+_SLIGHT = 0.1  # of the speed: beside what changes less, another cause does what it does alone
+
+
+@dataclass(frozen=True, slots=True)
+class Tried:
+    """A shape at its best sizes.
+
+    Parameters
+    ----------
+    values
+        Shape and sizes.
+    drop
+        Drop of the deviance that they bring.
+    square
+        Deviance of the change that the first size makes by 1, or of the change where none sizes it.
+    turned
+        Angle between this change and the last one of any size, in rad.
+    """
+
+    values: dict[str, float]
+    drop: float
+    square: float
+    turned: float
+
+
+def _angle_rad(products: Array, one: int, other: int) -> float:
+    """Angle between two changes whichever way they point, by their products; of none 0."""
+    sizes = math.sqrt(max(products[one, one], 0.0) * products[other, other])
+    return 0.0 if sizes <= _NOTHING else math.acos(min(abs(products[one, other]) / sizes, 1.0))
+
+
+class WeighedShapes:
+    """One effect beside fixed ones, in shapes that are given.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    effect
+        The effect.
+    given
+        Effects that are held where they are.
+    """
+
+    def __init__(self, problem: Problem, effect: Effect, given: tuple[Applied, ...]):
+        self._problem, self._effect, self._given = problem, effect, given
+        self._base = problem.change_rad_s(given) if given else None
+        self._left = problem.left_rad_s(given)
+
+    def _beside_little(self) -> bool:
+        """Whether the effects given change the speed so little that each acts as if alone."""
+        if self._base is None:
+            return False
+        speeds = [s.simulated_rad_s for s in self._problem.stretches]
+        changed, all_of_it = (np.linalg.norm(np.concatenate(x)) for x in (self._base, speeds))
+        return bool(changed < _SLIGHT * all_of_it)
+
+    def changes(
+        self, points: Sequence[Mapping[str, float]], *, alone: bool = False
+    ) -> list[list[Array]]:
+        """Return the changes that the effect makes at each point, by stretch, shape (N,) each.
+
+        What it makes of a run without those given is at hand where it was scanned before.
+
+        Parameters
+        ----------
+        points
+            Values at each, of all parameters.
+        alone
+            Whether to take those given away.
+        """
+        given, base = ((), None) if alone else (self._given, self._base)
+        changes = [
+            self._problem.change_rad_s((*given, Applied(self._effect, values))) for values in points
+        ]
+        if base is None:
+            return changes
+        return [[c - b for c, b in zip(change, base, strict=True)] for change in changes]
+
+    def best(
+        self,
+        shapes: Sequence[Mapping[str, float]],
+        sized: Sequence[Parameter],
+        *,
+        alone: bool = False,
+    ) -> Iterator[Tried]:
+        """Yield each shape at its best sizes.
+
+        Parameters
+        ----------
+        shapes
+            Values of what is scanned.
+        sized
+            Parameters that size the effect.
+        alone
+            As in `changes`.
+        """
+        nulls, each = {q.name: q.null for q in sized}, max(len(sized), 1)
+        last = [np.zeros_like(left) for left in self._left]
+        for at in range(0, len(shapes), _AT_ONCE):
+            chunk = shapes[at : at + _AT_ONCE]
+            points = [
+                {**shape, **nulls, p.name: p.null + p.typical} for shape in chunk for p in sized
+            ]
+            changes = self.changes(points or chunk, alone=alone)
+            products = self._problem.products([self._left, last, *changes])
+            per = np.array([1.0, 1.0, *([p.typical for p in sized] or [1.0]) * len(chunk)])
+            products /= np.outer(per, per)
+            before = 1
+            for k, shape in enumerate(chunk):
+                own = slice(2 + k * each, 2 + (k + 1) * each)
+                normal, slope = products[own, own], products[own, 0]
+                square, turned = float(normal[0, 0]), 0.0
+                if square > _NOTHING:
+                    turned = _angle_rad(products, before, own.start)
+                    before, last = own.start, changes[k * each]
+                yield Tried(*self._sized(shape, sized, normal, slope), square, turned)
+
+    def _sized(
+        self, shape: Mapping[str, float], sized: Sequence[Parameter], normal: Array, slope: Array
+    ) -> Rated:
+        """Return the best sizes at fixed shape, to first order, and the drop they bring."""
+        if not sized:
+            return dict(shape), float(2.0 * slope[0] - normal[0, 0])
+        ridge = 1e-12 * np.trace(normal) * np.eye(len(sized))
+        sizes = np.linalg.lstsq(normal + ridge, slope, rcond=None)[0]
+        kept = np.array(
+            [np.clip(p.null + z, p.low, p.high) - p.null for p, z in zip(sized, sizes, strict=True)]
+        )
+        values = {p.name: float(p.null + z) for p, z in zip(sized, kept, strict=True)}
+        return {**shape, **values}, float(2.0 * kept @ slope - kept @ normal @ kept)
+
+    def exactly(self, shape: Mapping[str, float], sized: Sequence[Parameter]) -> Rated:
+        """Return the best values at one shape beside what is given, and the drop they bring.
+
+        Parameters
+        ----------
+        shape
+            Values of what is scanned.
+        sized
+            Parameters that size the effect.
+        """
+        (tried,) = self.best([shape], sized)
+        return tried.values, tried.drop
