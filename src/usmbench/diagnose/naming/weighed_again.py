@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.refining import refine
+from usmbench.diagnose.naming.chance import chancy_of
 from usmbench.diagnose.naming.ranking import Ranked
 from usmbench.diagnose.naming.roughly_beside import roughly_beside
 from usmbench.diagnose.naming.stepwise import Named
@@ -24,9 +25,10 @@ def weighed_again(named: Named) -> Named:
     Parameters
     ----------
     named
-        What is named; a single cause is returned as it is.
+        What is named; a single cause is returned as it is, and so is what stands beside one by
+        chance, whose scatter covers what tells it from others: it was weighed where that is not.
     """
-    if len(named.rankings) < 2:
+    if len(named.rankings) < 2 or chancy_of(named.fit.effects):
         return named
     rankings, fit = [], named.fit
     for ranking in named.rankings:

@@ -55,6 +55,14 @@ def test_one_name_is_left_as_it_is(found: Found) -> None:
     assert weighed_again(named) is named
 
 
+def test_what_was_weighed_where_chance_does_not_strike_is_left_as_it_is(found: Found) -> None:
+    lost = applied("missed_counts", "of the excess", lost_of_excess=0.5, above_rad_s=9.0)
+    counts, scale = ranked(found, SCALE, lost, 1e6), ranked(found, lost, SCALE, 6e4)
+    crystal = replace(ranked(found, lost, CRYSTAL, 8e4), statistic=8e4 + 16.0)
+    named = Named(found.problem, [[counts], [scale, crystal]], scale.fit, 1.0)
+    assert weighed_again(named) is named
+
+
 def test_what_was_ahead_and_did_not_hold_takes_no_place(found: Found) -> None:
     delay, scale = ranked(found, SCALE, DELAY, 100.0), ranked(found, DELAY, SCALE, 6e4)
     alone = Fit((LAG,), found.problem.drop((LAG,)), 0.0)
