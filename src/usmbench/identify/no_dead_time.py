@@ -28,8 +28,10 @@ def without_needless_dead_time(search: RobustFit) -> RobustFit:
     if not isinstance(family, LagFamily):
         return search
     lag, dead = (float(x) for x in search.problem.fit.parameters)
+    if dead <= 0.0:
+        return search
     alone = replace(family, longest_dead_time=0.0)
-    as_late = np.array([math.log(math.exp(lag) + max(dead, 0.0)), 0.0])
+    as_late = np.array([math.log(math.exp(lag) + dead), 0.0])
     start = alone.moved(as_late, np.zeros(2))
     problem = search.problem
     problem = Projected(problem.stretches, alone, start, problem.weights, problem.penalties)
