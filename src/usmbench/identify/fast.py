@@ -60,16 +60,16 @@ def identify_fast(records: Sequence[Record], options: FastOptions) -> Identifica
     measured = from_windows(records)
     data, part, shape, search = _at_one_gain(measured, options)
     knots_deg = shape.knots_deg
-    family = search.problem.family
-    search = without_needless_dead_time(search)
+    search, family = without_needless_dead_time(search)
     share = part.n / data.n
     priors = [np.sqrt(share) * prior for prior in shape.priors(data)]
     linearised = search.problem.linearised()
-    best = polished(data, knots_deg, search.problem.family, search, linearised, priors)
-    estimate = Estimate(family, best, linearised, share)
-    # A torque limit is simulated through windows' averages.
-    if isinstance(family, LagFamily) and not family.sampled:
-        estimate = limited_fit(search, family, best) or estimate
+    best = polished(data, knots_deg, family, search, linearised, priors)
+    lag = search.problem.family
+    estimate = Estimate(lag, best, linearised, share)
+    # A torque limit is simulated through windows' averages; beside it a dead time may be another.
+    if isinstance(lag, LagFamily) and not lag.sampled:
+        estimate = limited_fit(search, lag, best) or estimate
     curves = [StaticCurve(k, d) for k, d in zip(knots_deg, best.delta, strict=True)]
     spread = covariance(estimate, priors)
     intervals = {

@@ -94,6 +94,8 @@ class LagFamily:
     def jacobian(self, parameters: Array) -> Array:
         """Return the derivatives of (a_1, β_1, β_2) by central differences within the window.
 
+        By a dead time that may not be they are 0: no step goes there.
+
         Parameters
         ----------
         parameters
@@ -102,9 +104,10 @@ class LagFamily:
         u, dead = float(parameters[0]), float(parameters[1])
         whole = _whole(dead)
         f, h = dead - whole, _DIFFERENCE
+        late = h if self.longest_dead_time else 0.0
         columns = [
             [self._at(math.exp(u + side * h), whole, f) for side in (1, -1)],
-            [self._at(math.exp(u), whole, f + side * h) for side in (1, -1)],
+            [self._at(math.exp(u), whole, f + side * late) for side in (1, -1)],
         ]
         return np.column_stack(
             [

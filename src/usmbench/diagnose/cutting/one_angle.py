@@ -18,7 +18,7 @@ from usmbench.model.extended import Applied, extended_run
 Array = NDArray[np.float64]
 
 _PLAIN = 300.0  # chi-squared with two: neither chance nor what else the model misses
-_LIKEWISE = 30.0  # of another run that ripples by about as much: no chance, one in three million
+_LIKEWISE = 30.0  # of another run that ripples by about as much: one in a thousand by chance
 _SAME = 4.0  # standard deviations of a phase
 _ALIKE = 1.5  # times the strongest one's ripple, or less by as much
 _SETTLED, _TURNING = 2, 0.1  # windows after a step; of the highest speed

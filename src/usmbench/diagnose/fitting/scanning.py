@@ -57,5 +57,5 @@ def sharpen(
     if closely and last.effect.jagged:
         best = search.closely(best, scanned)
     for p, axis in zip(scanned, axes, strict=True):
-        best = search.zoomed(best, p, axis, scanned, sized, as_is)
+        best = search.zoomed(best, p, axis, sized, as_is)
     return Fit((*given, Applied(last.effect, best[0])), best[1], fit.roughness)

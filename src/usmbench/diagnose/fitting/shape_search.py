@@ -95,7 +95,10 @@ class ShapeSearch(WeighedShapes):
         for p, axis in zip(scanned, self.axes(scanned), strict=True):
             value = best[0][p.name]
             near = axis[(axis > value / _NEAR) & (axis < value * _NEAR)]
-            dense = np.interp(np.arange(0.0, near.size, 1.0 / _DENSER), np.arange(near.size), near)
+            if near.size < 2:
+                continue
+            parts = np.linspace(0.0, near.size - 1.0, _DENSER * (near.size - 1) + 1)
+            dense = np.interp(parts, np.arange(near.size), near)
             shapes = [{**best[0], p.name: float(x)} for x in dense]
             rated = [(t.values, matched(t.drop, t.square)) for t in self.best(shapes, ())]
             caught = self._caught(max(rated, key=lambda r: r[1]), scanned)
@@ -105,7 +108,7 @@ class ShapeSearch(WeighedShapes):
     def _caught(self, near: Rated, scanned: Sequence[Parameter]) -> Rated:
         """Close in on what the scan of a jagged effect came near; return the drop there."""
         for p, axis in zip(scanned, self.axes(scanned), strict=True):
-            near = self.zoomed(near, p, axis, scanned, (), matched)
+            near = self.zoomed(near, p, axis, (), matched)
         return self.exactly(near[0], ())
 
     def zoomed(
@@ -113,7 +116,6 @@ class ShapeSearch(WeighedShapes):
         best: Rated,
         parameter: Parameter,
         axis: Array,
-        scanned: Sequence[Parameter],
         sized: Sequence[Parameter],
         rate: Rate,
     ) -> Rated:
@@ -125,8 +127,8 @@ class ShapeSearch(WeighedShapes):
             The best values so far, and what they are worth.
         parameter, axis
             The parameter, and the values at which it was tried, rising.
-        scanned, sized
-            The effect's parameters.
+        sized
+            Parameters that size the effect.
         rate
             What a drop is worth.
         """
@@ -134,7 +136,7 @@ class ShapeSearch(WeighedShapes):
         for _ in range(_JAGGED_ROUNDS if self._effect.jagged else _ZOOM_ROUNDS):
             k = int(np.argmin(np.abs(near - best[0][parameter.name])))
             near = np.linspace(near[max(k - 1, 0)], near[min(k + 1, near.size - 1)], _ZOOM_POINTS)
-            held = {p.name: best[0][p.name] for p in scanned}
+            held = {p.name: best[0][p.name] for p in self._effect.parameters if p.scanned}
             shapes = [{**held, parameter.name: float(value)} for value in near]
             for tried in self.best(shapes, sized):
                 worth = rate(tried.drop, tried.square)

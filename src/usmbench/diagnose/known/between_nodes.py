@@ -28,8 +28,8 @@ def deviations_rad_s(features: Features, mean: Array, root: Array) -> Array:
     Returns
     -------
     numpy.ndarray
-        Standard deviations halfway between two nodes, shape (points, nodes − 1); 0 where both were
-        measured, and the slope turns at neither by more than by chance.
+        Standard deviations halfway between two nodes, shape (points, nodes − 1); 0 where measured
+        phases lie between them, and the slope turns at neither by more than by chance.
     """
     width_deg = np.diff(features.nodes_deg)
     n = width_deg.size + 1

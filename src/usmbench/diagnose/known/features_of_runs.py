@@ -39,11 +39,15 @@ def features_of(stretches: Sequence[Stretch]) -> Features:
     nodes, gaps = np.array(nodes_deg), Gaps.of(measured_deg, table_deg, speeds)
     top_rad_s = max(max(float(np.max(np.abs(s.settled_rad_s))) for s in stretches), 1e-9)
     at_ends = unheld_rad_s(nodes_deg, every_deg, top_rad_s)
-    used_deg, left = (
+    used_deg, left, *points = (
         np.concatenate([part[s.use] for part, s in zip(parts, stretches, strict=True)])
-        for parts in (phase_deg, [s.residual_rad_s for s in stretches])
+        for parts in (
+            phase_deg,
+            [s.residual_rad_s for s in stretches],
+            *zip(*(s.points for s in stretches), strict=True),
+        )
     )
-    few = by_chance_rad_s(nodes_deg, used_deg, left)
+    few = by_chance_rad_s(nodes_deg, used_deg, points, left)
     unmeasured = np.linalg.norm([gaps.at_nodes_rad_s(nodes), at_ends, few], axis=0)
     return Features(
         nodes_deg,

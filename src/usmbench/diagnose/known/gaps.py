@@ -49,6 +49,9 @@ class Gaps:
         speeds_rad_s
             Settled speeds of the model there at each operating point, shape (N,) each.
         """
+        # Two that are one but for rounding would make slopes of nothing.
+        apart = np.diff(measured_deg, prepend=-np.inf) > _SAME * np.ptp(phase_deg)
+        measured_deg = measured_deg[apart]
         if measured_deg.size < 2:
             return cls(phase_deg[[0, -1]], np.zeros(1))
         turn = np.zeros(measured_deg.size - 1)
@@ -105,12 +108,8 @@ class Gaps:
 
     def _across_rad_s(self, gap: NDArray[np.intp], most_deg: Array | float) -> Array:
         """How far off a straight line may be across gaps, or parts of them."""
-        if not self.turn.size:
-            return np.zeros(gap.size)
-        across: Array = (
-            0.25 * self.turn[gap] * np.minimum(np.diff(self.measured_deg)[gap], most_deg)
-        )
-        return across
+        width_deg = np.minimum(np.diff(self.measured_deg)[gap], most_deg)
+        return np.asarray(KINK * self.turn[gap] * width_deg)
 
 
 def _inside(slope: Array, phase_deg: Array, measured_deg: Array) -> Array:

@@ -57,8 +57,12 @@ def unheld_rad_s(nodes_deg: Sequence[float], rows_deg: Array, top_rad_s: float) 
     return np.asarray(_OPEN_END * top_rad_s * (1.0 - held))
 
 
-def by_chance_rad_s(nodes_deg: Sequence[float], rows_deg: Array, residual_rad_s: Array) -> Array:
+def by_chance_rad_s(
+    nodes_deg: Sequence[float], rows_deg: Array, points: Sequence[Array], residual_rad_s: Array
+) -> Array:
     """Return how far off a curve may be at nodes for the scatter of the few rows near each.
+
+    Of several curves, each at an operating point, the one with the fewest counts.
 
     Parameters
     ----------
@@ -66,6 +70,8 @@ def by_chance_rad_s(nodes_deg: Sequence[float], rows_deg: Array, residual_rad_s:
         The nodes, rising, shape (K,).
     rows_deg
         Phases of all rows, shape (N,).
+    points
+        Weight of each operating point on these rows, shape (N,) each.
     residual_rad_s
         What the model leaves of them, shape (N,).
 
@@ -74,6 +80,6 @@ def by_chance_rad_s(nodes_deg: Sequence[float], rows_deg: Array, residual_rad_s:
     Array
         Shape (K,).
     """
-    near = np.array([float(np.sum(hat)) for hat in hats(rows_deg, np.array(nodes_deg))])
+    near = np.array([np.array(points) @ hat for hat in hats(rows_deg, np.array(nodes_deg))])
     scatter_rad_s = _DEVIATION * float(np.median(np.abs(residual_rad_s)))
-    return np.asarray(scatter_rad_s / np.sqrt(np.maximum(near, 1.0)))
+    return np.asarray(scatter_rad_s / np.sqrt(np.maximum(near.min(axis=1), 1.0)))

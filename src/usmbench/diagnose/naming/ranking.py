@@ -122,9 +122,12 @@ def _larger(problem: Problem, fit: Fit, held: Sequence[Applied]) -> Fit:
 
     What begins at once, such as friction that falls with the speed, shows little of that at first.
     """
-    last, before = fit.effects[-1], problem.drop(held)
+    last = fit.effects[-1]
     sized = [p for p in last.effect.parameters if not p.scanned]
-    for times in _TIMES if sized else ():
+    if not sized:
+        return fit
+    before = problem.drop(held)
+    for times in _TIMES:
         sizes = {p.name: p.null + times * (last.values[p.name] - p.null) for p in sized}
         kept = {p.name: min(max(sizes[p.name], p.low), p.high) for p in sized}
         effects = (*held, Applied(last.effect, {**last.values, **kept}))

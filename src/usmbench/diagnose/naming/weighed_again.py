@@ -43,8 +43,8 @@ def weighed_again(named: Named) -> Named:
 def _ranked_again(named: Named, fit: Fit, ranking: list[Ranked]) -> tuple[list[Ranked], set[str]]:
     """Return a cause and its rivals, fitted anew beside the other names, and what is no rival.
 
-    One that was ahead of it is none: it did not hold on rows that its fit had not seen. Nor is
-    one with which the others fit better, and without it as well.
+    One that was ahead of it takes no place: it did not hold on rows that its fit had not seen. Nor
+    does one with which the others fit better, and without it as well.
     """
     problem, best = named.problem, ranking[0]
     (own,) = (a for a in fit.effects if a.effect.name == best.effect.name)
@@ -63,10 +63,12 @@ def _ranked_again(named: Named, fit: Fit, ranking: list[Ranked]) -> tuple[list[R
         other = _in_its_own_motor(problem, other)
         without = other.effects[:-1]
         alone = refine(problem, Fit(without, problem.drop(without), fit.roughness))
+        alone = _in_its_own_motor(problem, alone)
         if other.statistic - alone.statistic > least:
             more = (other.statistic - fit.statistic) / named.spread**2
             again.append(_by(other, rival, best.statistic + more, len(ranking)))
-    held = {*(r.effect.name for r in again), *list(rivals)[_RIVALS:]}
+    unweighed = {r.effect.name for r in others if r.misfit != 0.0}
+    held = {*(r.effect.name for r in again), *list(rivals)[_RIVALS:], *unweighed}
     return again, {r.effect.name for r in others} - held
 
 

@@ -68,3 +68,12 @@ def test_where_a_dead_zone_ends_between_two_levels_the_model_cannot_know() -> No
     off = _off([-5.0, 15.0, 20.0, 45.0], LEVELS_DEG, speed_rad_s)
     assert off[1] == pytest.approx(0.25 * 0.3 * 10.0, rel=0.01)
     assert (off[0], off[2], off[3]) == pytest.approx((0.0, 0.0, 0.0), abs=0.05)
+
+
+def test_levels_that_are_one_but_for_rounding_are_one() -> None:
+    speed_rad_s = 10.0 * np.sin(np.radians(TABLE_DEG))
+    again_deg = np.unique(np.r_[LEVELS_DEG, np.degrees(np.radians(LEVELS_DEG)), LEVELS_DEG + 1e-12])
+    assert again_deg.size > LEVELS_DEG.size
+    assert _off([5.0, 45.0, 85.0], again_deg, speed_rad_s) == pytest.approx(
+        _off([5.0, 45.0, 85.0], LEVELS_DEG, speed_rad_s), rel=1e-6
+    )

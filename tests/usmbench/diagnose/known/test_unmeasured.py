@@ -13,10 +13,15 @@ from usmbench.diagnose.known.unmeasured import (
 def test_few_rows_tell_a_curve_no_better_than_their_scatter() -> None:
     rng = np.random.default_rng(4)
     rows_deg = np.r_[np.linspace(0.0, 10.0, 401), 30.0, 30.0]
-    off = by_chance_rad_s((0.0, 5.0, 10.0, 30.0, 50.0), rows_deg, 0.1 * rng.standard_normal(403))
+    left, nodes_deg = 0.1 * rng.standard_normal(403), (0.0, 5.0, 10.0, 30.0, 50.0)
+    off = by_chance_rad_s(nodes_deg, rows_deg, [np.ones(403)], left)
     assert off[3] == pytest.approx(0.1 / np.sqrt(2.0), rel=0.2)
     assert off[4] == pytest.approx(0.1, rel=0.2)
     assert off[1] == pytest.approx(0.1 / np.sqrt(200.0), rel=0.2)
+    # Half of the rows are at another operating point, whose curve they tell.
+    here = np.arange(403, dtype=np.float64) % 2.0
+    both = by_chance_rad_s(nodes_deg, rows_deg, [here, 1.0 - here], left)
+    assert both[1] == pytest.approx(np.sqrt(2.0) * off[1], rel=0.02)
 
 
 @pytest.mark.parametrize("times", [1, 4, 8])
