@@ -2,6 +2,7 @@
 
 from bisect import bisect
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 
@@ -68,7 +69,7 @@ class RoundedPhase(Effect):
     form_off = DEFINITION
     jagged = True
     early = True  # in the register: what shifts the drive voltages does so behind it
-    parameters = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter(
             "step_deg", "deg", 0.0, 0.0, _COARSEST_DEG, 1.0, scanned=True, what="step of the grid"
         ),

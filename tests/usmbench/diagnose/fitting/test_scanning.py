@@ -1,5 +1,9 @@
 """Steps of the phase that a scan would miss."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import ClassVar
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,8 +16,11 @@ from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.effects.base import Array, Values
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.first_order import first_order
+from usmbench.model.effects.parameter import Parameter
+from usmbench.model.effects.phase_quantisation import RoundedPhase
 from usmbench.model.effects.registry import find_effect, library
 from usmbench.model.extended import Applied, extended_run
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
@@ -67,6 +74,43 @@ def test_a_step_some_percent_off_is_put_right_by_a_close_look(step_deg: float, o
     closer = sharpen(problem, near, closely=True)
     assert closer.effects[-1].values["step_deg"] == pytest.approx(step_deg, rel=6e-3)
     assert closer.statistic > max(near.statistic, 0.99 * problem.deviance)
+
+
+class _GridEachWay(RoundedPhase):
+    """A grid forwards and another backwards, of which few are tried."""
+
+    form = "each way its own"
+    apart = True
+    parameters: ClassVar[tuple[Parameter, ...]] = tuple(
+        replace(RoundedPhase.parameters[0], name=n) for n in ("ahead", "back")
+    )
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        ahead, back = (
+            super(_GridEachWay, self).apply(signal, context, {"step_deg": values[name]})
+            for name in ("ahead", "back")
+        )
+        return np.where(signal > 0.0, ahead, back)
+
+    def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
+        return {p.name: np.array([1.0, 2.0, 4.0, 8.0]) for p in self.parameters}
+
+
+def test_a_cause_of_the_users_own_may_be_jagged_and_act_apart_with_a_coarse_grid() -> None:
+    effect = _GridEachWay()
+    point = OperatingPoint(None, None, CURVE, (-90.0, 90.0), (-15.0, 15.0), NOISE_RAD_S)
+    model = HammersteinModel(first_order(0.0035, 0.0, WINDOW_S), (point,), "fast")
+    phase_deg = np.repeat(np.random.default_rng(3).uniform(-88.0, 88.0, 120), 5)
+    t_s = WINDOW_S * np.arange(1.0, phase_deg.size + 1.0)
+    context = Context(t_s, WINDOW_S, phase_deg, CURVE.speed_rad_s, model.linear)
+    hidden = Applied(effect, {"ahead": 8.0, "back": 4.0})
+    speed_rad_s = extended_run([hidden], context).speed_rad_s
+    record = Record("run", t_s, phase_deg, speed_rad_s, np.full(t_s.size, WINDOW_S))
+    stretches, _ = cut_runs([record], model, ())
+    noise = estimate_noise(stretches, [0.02 * np.sin(t_s)], [s.use for s in stretches])
+    problem = Problem(stretches, knowledge_of(model), noise, [s.use for s in stretches])
+    found = sharpen(problem, fit_effect(problem, effect), closely=True).effects[-1]
+    assert found.values == pytest.approx({"ahead": 8.0, "back": 4.0}, rel=0.02)
 
 
 @pytest.mark.parametrize("name", ["transport_delay", "phase_quantisation", "coupling_backlash"])
