@@ -99,13 +99,11 @@ class EachWay(Sticking):
         signal, context, values
             As in `Effect.apply`.
         """
-        turning = signal
-        for way, parameter in zip((Forwards(), Backwards()), self.parameters, strict=True):
-            later = {"start_later_deg": values[parameter.name]}
-            turning = np.where(
-                np.sign(signal) == way.sides[0], way.apply(signal, context, later), turning
-            )
-        return turning
+        ahead, back = (
+            way.apply(signal, context, {"start_later_deg": values[p.name]})
+            for way, p in zip((Forwards(), Backwards()), self.parameters, strict=True)
+        )
+        return np.where(signal > 0.0, ahead, back)
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
         """Return the same widths for both ways.

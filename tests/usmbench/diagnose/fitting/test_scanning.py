@@ -55,20 +55,25 @@ def test_a_step_between_two_of_the_grid_is_found_among_random_phases(seed: int) 
     assert cause.parameters[0].value == pytest.approx(step_deg, rel=1e-3)
 
 
-@pytest.mark.parametrize("step_deg", [3.21, 4.386, 5.12, 6.47, 7.3])
-@pytest.mark.parametrize("off", [-0.07, 0.07])
-def test_a_step_some_percent_off_is_put_right_by_a_close_look(step_deg: float, off: float) -> None:
-    effect = find_effect("phase_quantisation", "cut to zero")
+def _showing(hidden: Applied) -> Problem:
+    """Return the problem of a run without noise that shows an effect."""
     point = OperatingPoint(None, None, CURVE, (-90.0, 90.0), (-15.0, 15.0), NOISE_RAD_S)
     model = HammersteinModel(first_order(0.0035, 0.0, WINDOW_S), (point,), "fast")
     phase_deg = np.repeat(np.random.default_rng(3).uniform(-88.0, 88.0, 120), 5)
     t_s = WINDOW_S * np.arange(1.0, phase_deg.size + 1.0)
     context = Context(t_s, WINDOW_S, phase_deg, CURVE.speed_rad_s, model.linear)
-    speed_rad_s = extended_run([Applied(effect, {"step_deg": step_deg})], context).speed_rad_s
+    speed_rad_s = extended_run([hidden], context).speed_rad_s
     record = Record("run", t_s, phase_deg, speed_rad_s, np.full(t_s.size, WINDOW_S))
     stretches, _ = cut_runs([record], model, ())
     noise = estimate_noise(stretches, [0.02 * np.sin(t_s)], [s.use for s in stretches])
-    problem = Problem(stretches, knowledge_of(model), noise, [s.use for s in stretches])
+    return Problem(stretches, knowledge_of(model), noise, [s.use for s in stretches])
+
+
+@pytest.mark.parametrize("step_deg", [3.21, 4.386, 5.12, 6.47, 7.3])
+@pytest.mark.parametrize("off", [-0.07, 0.07])
+def test_a_step_some_percent_off_is_put_right_by_a_close_look(step_deg: float, off: float) -> None:
+    effect = find_effect("phase_quantisation", "cut to zero")
+    problem = _showing(Applied(effect, {"step_deg": step_deg}))
     beside = (Applied(effect, {"step_deg": step_deg * (1.0 + off)}),)
     near = Fit(beside, problem.drop(beside), 0.0)
     closer = sharpen(problem, near, closely=True)
@@ -98,17 +103,7 @@ class _GridEachWay(RoundedPhase):
 
 def test_a_cause_of_the_users_own_may_be_jagged_and_act_apart_with_a_coarse_grid() -> None:
     effect = _GridEachWay()
-    point = OperatingPoint(None, None, CURVE, (-90.0, 90.0), (-15.0, 15.0), NOISE_RAD_S)
-    model = HammersteinModel(first_order(0.0035, 0.0, WINDOW_S), (point,), "fast")
-    phase_deg = np.repeat(np.random.default_rng(3).uniform(-88.0, 88.0, 120), 5)
-    t_s = WINDOW_S * np.arange(1.0, phase_deg.size + 1.0)
-    context = Context(t_s, WINDOW_S, phase_deg, CURVE.speed_rad_s, model.linear)
-    hidden = Applied(effect, {"ahead": 8.0, "back": 4.0})
-    speed_rad_s = extended_run([hidden], context).speed_rad_s
-    record = Record("run", t_s, phase_deg, speed_rad_s, np.full(t_s.size, WINDOW_S))
-    stretches, _ = cut_runs([record], model, ())
-    noise = estimate_noise(stretches, [0.02 * np.sin(t_s)], [s.use for s in stretches])
-    problem = Problem(stretches, knowledge_of(model), noise, [s.use for s in stretches])
+    problem = _showing(Applied(effect, {"ahead": 8.0, "back": 4.0}))
     found = sharpen(problem, fit_effect(problem, effect), closely=True).effects[-1]
     assert found.values == pytest.approx({"ahead": 8.0, "back": 4.0}, rel=0.02)
 
