@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -99,6 +100,19 @@ def lag_of(linear: LinearPart, window_s: float) -> Lag | None:
     window_s
         Duration of a window.
     """
+    a, b = tuple(linear.a.tolist()), tuple(linear.b.tolist())
+    return _lag_of(a, b, linear.dead_time_windows, linear.window_s, window_s)
+
+
+@lru_cache(maxsize=64)  # a search asks thousands of times about one model
+def _lag_of(
+    a: tuple[float, ...],
+    b: tuple[float, ...],
+    dead_time_windows: int,
+    step_s: float | None,
+    window_s: float,
+) -> Lag | None:
+    linear = LinearPart(np.array(a, float), np.array(b, float), dead_time_windows, step_s)
     tau_s, delay_s = time_constant_s(linear), dead_time_s(linear)
     if tau_s is None or delay_s is None or linear.a.size != 1:
         return None
