@@ -35,9 +35,9 @@ def driven(
     late_s: float = 0.0,
     tilt: float = 0.0,
     warms: float = 0.0,
+    n: int = 2000,
 ) -> Record:
     """Return a run on a day of its own, half of it at each frequency, in an order that turns."""
-    n = 2000
     rng = np.random.default_rng(seed)
     phase_deg = np.repeat(rng.uniform(-88.0, 88.0, n // 10), 10)
     frequency_hz = np.repeat(sorted(SLIP_RAD_S, reverse=bool(seed % 2)), n // 2)
