@@ -9,7 +9,7 @@ from usmbench.identify.fast import FastOptions, identify_fast
 from usmbench.model.linear import dead_time_s, time_constant_s
 from usmbench.runs.record import Record
 
-_NOISE_RAD_S, _DRAWS = 0.02, 4
+_NOISE_RAD_S, _DRAWS = 0.02, 2
 
 
 def _sampled(kind: str, windows_a_lag: float, seed: int) -> tuple[Record, float]:

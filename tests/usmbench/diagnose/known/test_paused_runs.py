@@ -51,7 +51,7 @@ def model(seed: int) -> HammersteinModel:
 
 
 @pytest.mark.parametrize("pause_s", PAUSES_S)
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_after_a_pause_it_is_foretold_as_fast_as_it_is_cold(seed: int, pause_s: float) -> None:
     known = known_of(model(seed))
     *_, after = cut_beside_own([day(100 * seed + 50, pause_s)], model(seed))[0]
@@ -62,16 +62,14 @@ def test_after_a_pause_it_is_foretold_as_fast_as_it_is_cold(seed: int, pause_s: 
     assert abs(share) < 0.1 * cooled
 
 
-@pytest.mark.parametrize("pause_s", PAUSES_S)
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize(("seed", "pause_s"), [(0, 300.0), (1, 3500.0)])
 def test_a_pause_is_no_cause(seed: int, pause_s: float) -> None:
     found = diagnose([day(100 * seed + 60, pause_s)], model(seed))
     assert found.verdict == "no_discrepancy"
     assert not any("longer than" in words for words in found.warnings)
 
 
-@pytest.mark.parametrize("goes_on", [False, True])
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize(("seed", "goes_on"), [(0, False), (1, True)])
 def test_a_gap_is_no_cause_either_where_nobody_knows_what_the_motor_did(
     seed: int, goes_on: bool
 ) -> None:
