@@ -14,6 +14,7 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +27,7 @@ from benchmarks.campaign_runs import Excited, Motor
 from benchmarks.campaign_tables import share
 from benchmarks.told_test import LENGTH, told_length
 from hil_sim.defects import CATALOGUE
+from usmbench.diagnose.naming.found import Found
 from usmbench.runs.reader import read_run
 
 MECHANISMS = (
@@ -73,7 +75,10 @@ class Power:
     def __init__(self, bench: MotorBench, excited: Excited):
         self._bench, self._excited = bench, excited
         self._record = read_run(bench.measured(excited, 0))
-        self._found = bench.searched(self._record)
+
+    @cached_property
+    def _found(self) -> Found:
+        return self._bench.searched(self._record)
 
     def told_size(self, mechanism: str) -> float:
         """Return the size at which the test that is told the form has a power of 90 %."""

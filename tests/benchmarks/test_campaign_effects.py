@@ -9,7 +9,7 @@ from benchmarks.campaign_effects import enlarged
 from benchmarks.campaign_runs import Excited
 from hil_sim.defects import CATALOGUE, parse_defect
 
-SHORT = Excited("staircase", 10.0, 5)
+SHORT = Excited("staircase", 5.0, 5)
 
 
 def test_what_grows_in_proportion_is_measured_at_ten_times_the_noise() -> None:
