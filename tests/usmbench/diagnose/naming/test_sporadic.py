@@ -253,7 +253,7 @@ def test_what_no_late_command_makes_is_a_false_count_wherever_it_strikes(
         assert rate_hz == pytest.approx(n_hit / (record.t_s.size * 0.01), rel=0.6)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_false_counts_may_strike_mostly_where_the_motor_moves(seed: int) -> None:
     rows = np.arange(2000)
     phase_deg = 80.0 * np.sin(2.0 * np.pi * rows / 47.3)

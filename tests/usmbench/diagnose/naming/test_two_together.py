@@ -13,7 +13,7 @@ from usmbench.diagnose.residual.own_effects import cut_beside_own
 from usmbench.model.effects.registry import library
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_what_follows_the_first_explains_more_beside_what_is_nearly_as_good(seed: int) -> None:
     """A weight and another scale are much like an asymmetry and an offset at small phases."""
     draw = np.random.default_rng([seed, 23])

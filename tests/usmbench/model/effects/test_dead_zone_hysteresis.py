@@ -1,6 +1,7 @@
 """The widths at which a sticking rotor is looked for."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -53,13 +54,17 @@ def test_of_a_staircase_every_set_of_starts_is_tried(
     assert ends or later_deg > tried[-1] or any(np.array_equal(f, wanted) for f in found)
 
 
+@cache
+def _finely() -> tuple[np.ndarray, dict[float, np.ndarray]]:
+    fine = np.linspace(0.0, 90.0, 90001)
+    return fine, {way: CURVE.speed_rad_s(way * fine) for way in (-1.0, 1.0)}
+
+
 def _ends(context: Context) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     """Widths at which a level starts no more, by a search along the curve."""
-    fine = np.linspace(0.0, 90.0, 90001)
+    fine, settled = _finely()
     least = 0.01 * np.max(np.abs(context.settled_rad_s(context.phase_deg)))
-    edges = {
-        way: fine[np.argmax(np.abs(CURVE.speed_rad_s(way * fine)) > least)] for way in (-1.0, 1.0)
-    }
+    edges = {way: fine[np.argmax(np.abs(settled[way]) > least)] for way in (-1.0, 1.0)}
     return np.array([abs(p) - edges[1.0 if p > 0 else -1.0] for p in context.phase_deg])
 
 
