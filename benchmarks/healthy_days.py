@@ -72,13 +72,15 @@ def on_a_day(motor: PlainMotor, wander: float, rng: np.random.Generator) -> Plai
     )
 
 
-def draw(seed: int, number: int) -> Healthy:
+def draw(seed: int, number: int, n: int = _WINDOWS) -> Healthy:
     """Draw a motor and its days; identify and diagnose.
 
     Parameters
     ----------
     seed, number
         What fixes the draw; wanders and curves come in turn.
+    n
+        Windows of a run.
     """
     rng = np.random.default_rng([seed, number])
     curve = list(CURVES)[number % len(CURVES)]
@@ -89,10 +91,10 @@ def draw(seed: int, number: int) -> Healthy:
     with tempfile.TemporaryDirectory() as name:
         paths = [Path(name) / f"day{k}.csv" for k in range(_DAYS)]
         for path in [*paths, Path(name) / "measured.csv"]:
-            phase_deg = plan_deg(str(rng.choice(KINDS)), _WINDOWS, _TOP_DEG, rng)
+            phase_deg = plan_deg(str(rng.choice(KINDS)), n, _TOP_DEG, rng)
             day = on_a_day(motor, wander, rng)
             speed, angle_rad = speed_rad_s(day, phase_deg, _WINDOW_S, Wrong(), rng)
-            noise = noise_rad_s(_WINDOWS, deviation_rad_s, colour, rng)
+            noise = noise_rad_s(n, deviation_rad_s, colour, rng)
             noisy = speed + noise * np.minimum(np.abs(speed) / _FULL_NOISE_RAD_S, 1.0)
             write_csv(path, phase_deg, noisy, angle_rad, _WINDOW_S)
         names, verdict = diagnosed(Path(name), [str(path) for path in paths])

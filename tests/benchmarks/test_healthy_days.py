@@ -6,13 +6,14 @@ import pytest
 from benchmarks.healthy_days import Healthy, draw, on_a_day, report
 from benchmarks.plain_motor import CURVES, PlainMotor
 
+N = 1500
 MOTOR = PlainMotor((8.0, 12.0), 25.0, 10.0, 0.003, "steep")
 
 
 def test_a_dead_zone_that_wanders_gets_no_name_however_the_motor_starts() -> None:
     kinds, passes_for_it = list(CURVES), {"load_torque", "phase_offset", "gain_asymmetry"}
     for curve in ("steep", "gentle"):
-        found = draw(71, 2 * len(kinds) + kinds.index(curve))
+        found = draw(71, 2 * len(kinds) + kinds.index(curve), N)
         assert (found.wander, found.curve) == (0.01, curve)
         assert not passes_for_it & set(found.names)
 

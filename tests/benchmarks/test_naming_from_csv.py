@@ -12,7 +12,7 @@ HOW = Conditions("random", 600, 90.0, 0.01, 0.03, 0.0, 1)
 
 
 def test_short_healthy_runs_are_no_finding() -> None:
-    outcomes = [draw(11, k, NOTHING, 1.5) for k in range(4)]
+    outcomes = [draw(11, k, NOTHING, 1.5) for k in range(3)]
     assert sum(o.right for o in outcomes) >= 3
     assert not any(o.names for o in outcomes)
 
