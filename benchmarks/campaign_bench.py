@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
+from functools import cached_property
 from io import StringIO
 from pathlib import Path
 from typing import Any, Final
@@ -23,6 +24,7 @@ from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.pipeline import diagnose, searched
 from usmbench.diagnose.residual.own_effects import cut_beside_own
 from usmbench.errors import UsmbenchError
+from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.model_file import read_model, write_model
 from usmbench.model.replay import replay_record
 from usmbench.runs.reader import read_run
@@ -104,14 +106,17 @@ class MotorBench:
     def diagnosis(self, run: Path) -> dict[str, Any]:
         """Return what diagnose says of a run; leave the extended model beside the plain one."""
         # Not by the command, which goes on to look for the next experiment.
-        result = diagnose([read_run(run)], read_model(self.model))
+        result = diagnose([read_run(run)], self._plain)
         write_model(self._extended, result.extended)
         return result.to_json()
 
     def searched(self, record: Record) -> Found:
         """Return what a diagnosis of a run finds before it says so."""
-        model = read_model(self.model)
-        return searched(cut_beside_own([record], model)[0], model)
+        return searched(cut_beside_own([record], self._plain)[0], self._plain)
+
+    @cached_property
+    def _plain(self) -> HammersteinModel:
+        return read_model(self.model)
 
     @property
     def _extended(self) -> Path:
@@ -120,7 +125,7 @@ class MotorBench:
     def _compare(self, outcome: Outcome, record: Record, draw: Draw) -> None:
         """Hold what is hidden against the noise."""
         defects, healthy = draw.hidden.made, self.effects.speeds_rad_s(draw.excited)
-        noise, (_, inside) = noise_of(healthy), _error(self.model, record)
+        noise, (_, inside) = noise_of(healthy), _error(self._plain, record)
         rows = inside & not_far_out(np.max(np.abs(noise), axis=0))
         noise_rad_s = float(np.sqrt(np.mean(noise[:, rows] ** 2)))
         wanders = self.effects.wanders(draw.excited)
@@ -146,7 +151,8 @@ class MotorBench:
         defects, day = draw.hidden.made, _FRESH + draw.number
         excited = replace(draw.excited, seed=draw.excited.seed + _FRESH)
         record = read_run(self.measured(excited, day, defects))
-        (plain, _), (better, _) = _error(self.model, record), _error(self._extended, record)
+        extended = read_model(self._extended)
+        (plain, _), (better, _) = _error(self._plain, record), _error(extended, record)
         truly = plain - self.effects.effects_rad_s(excited, defects).mean(axis=0)
         # The windows that a diagnosis of this run would score.
         problem = self.searched(record).problem
@@ -171,9 +177,9 @@ def _healthy(reference_s: float) -> Iterator[Excited]:
         yield Excited(kind, reference_s, 900 + k, frequencies_hz[:: -1 if k % 2 else 1])
 
 
-def _error(model: Path, record: Record) -> tuple[Array, NDArray[np.bool_]]:
+def _error(model: HammersteinModel, record: Record) -> tuple[Array, NDArray[np.bool_]]:
     """Error of a model's free run, and the rows inside the model's range."""
-    simulation = replay_record(record, read_model(model)).simulation
+    simulation = replay_record(record, model).simulation
     return record.speed_rad_s - simulation.speed_rad_s, simulation.inside
 
 
