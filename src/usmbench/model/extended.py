@@ -232,7 +232,9 @@ def through(effects: Sequence[Applied], stage: Stage, signal: Array, context: Co
         The stretch.
     """
     own = [applied for applied in effects if applied.effect.stage == stage]
-    for applied in sorted(own, key=lambda applied: not applied.effect.early):
+    if len(own) > 1:
+        own.sort(key=lambda applied: not applied.effect.early)
+    for applied in own:
         signal = applied.effect.apply(signal, context, applied.values)
     return signal
 
