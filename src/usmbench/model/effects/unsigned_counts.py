@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 from scipy.signal import lfilter
+from scipy.special import erf
 
 from usmbench.model.effects.base import Array, Effect, Values
 from usmbench.model.effects.context import Context
@@ -14,6 +15,7 @@ from usmbench.model.effects.parameter import Parameter
 # Shares of the highest speed: what is less may be noise, or a model's ringing.
 _MEASURED_BACKWARDS, _SIMULATED_BACKWARDS = 0.1, 0.3
 _BOTH_WAYS = 0.2  # of the farthest command
+_NO_NOISE_RAD_S = 1e-12
 
 
 class UnsignedCounts(Effect):
@@ -67,6 +69,51 @@ class UnsignedCounts(Effect):
             and measured.min() > -_MEASURED_BACKWARDS * measured.max()
             and simulated.min() > -_SIMULATED_BACKWARDS * simulated.max()
         )
+
+
+class WithItsNoise(UnsignedCounts):
+    """ω′ = E|ω + e|, the noise e being normal: at rest its mean is no longer 0.
+
+    Source: the mean of the folded normal distribution, doi:10.1080/00401706.1961.10489974.
+    """
+
+    form = "with its noise"
+    meaning = "The sign of the speed is lost, and that of its noise, so that a rotor at rest turns."
+    parameters = (
+        Parameter(
+            "noise_rad_s",
+            "rad/s",
+            0.0,
+            0.0,
+            1e3,
+            0.02,
+            scanned=True,
+            what="standard deviation of the noise that loses its sign, too",
+        ),
+    )
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the speed that is reported, on average.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        noise_rad_s = max(values["noise_rad_s"], _NO_NOISE_RAD_S)
+        part = signal / (math.sqrt(2.0) * noise_rad_s)
+        at_rest = noise_rad_s * math.sqrt(2.0 / math.pi) * np.exp(-(part**2))
+        return np.asarray(at_rest + signal * erf(part))
+
+    def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
+        """Return noises of a thousandth to a tenth of the highest speed.
+
+        Parameters
+        ----------
+        contexts
+            All stretches.
+        """
+        return {"noise_rad_s": _top_rad_s(contexts) * np.array([1e-3, 3e-3, 0.01, 0.03, 0.1])}
 
 
 class Rectified(UnsignedCounts):
@@ -125,11 +172,15 @@ class Rectified(UnsignedCounts):
         contexts
             All stretches.
         """
-        top_rad_s = max(float(np.max(np.abs(c.settled_rad_s(c.phase_deg)))) for c in contexts)
         return {
-            "knee_rad_s": top_rad_s * np.array([0.0, 0.1, 0.3, 1.0, 3.0]),
+            "knee_rad_s": _top_rad_s(contexts) * np.array([0.0, 0.1, 0.3, 1.0, 3.0]),
             "smoothing_s": contexts[0].window_s * np.array([0.0, 1.0, 2.0, 4.0]),
         }
 
 
-FORMS = (UnsignedCounts(), Rectified())
+def _top_rad_s(contexts: Sequence[Context]) -> float:
+    """Return the highest speed of all stretches."""
+    return max(float(np.max(np.abs(c.settled_rad_s(c.phase_deg)))) for c in contexts)
+
+
+FORMS = (UnsignedCounts(), WithItsNoise(), Rectified())
