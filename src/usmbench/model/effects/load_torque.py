@@ -17,11 +17,17 @@ _MEANING = "A steady torque acts on the shaft that the simulation does not know.
 _MEND = "Look for a weight, a rubbing seal, a misaligned coupling or a brake that is not quite off."
 
 
+# Of the highest speed: a curve drawn through a dead zone is hardly ever 0 in all of it.
+_HELD = 2e-3
+
+
 def _braked(signal: Array, loss_rad_s: Array) -> Array:
     """Take a loss from a speed; the torque cannot start a rotor that the contact holds."""
     slower = signal - loss_rad_s
     reversed_way = signal * slower < 0.0
-    return np.where((signal == 0.0) | reversed_way, 0.0, slower)
+    size = np.abs(signal)
+    held = size <= _HELD * np.max(size, initial=0.0)
+    return np.where(held, signal, np.where(reversed_way, 0.0, slower))
 
 
 _ROUNDED = Parameter(

@@ -16,7 +16,12 @@ from usmbench.identify.fast import FastOptions, identify_fast
 from usmbench.model.driving import driving
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.first_order import first_order
-from usmbench.model.effects.load_torque import CreepingWeight, DragAlongBend, WeightAlongBend
+from usmbench.model.effects.load_torque import (
+    CreepingWeight,
+    DragAlongBend,
+    Weight,
+    WeightAlongBend,
+)
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.linear import free_run
 from usmbench.runs.record import Record
@@ -55,6 +60,12 @@ def test_no_torque_starts_a_rotor_that_stands_and_none_changes_nothing(
     lifted = WeightAlongBend().apply(signal, CONTEXT, {**none, "one_sided_rad_s": -2.0})
     assert lifted[0] == 0.0
     assert lifted[1] > speed
+
+
+def test_a_weight_moves_no_rotor_where_a_curve_is_but_nearly_zero() -> None:
+    signal = np.array([10.0, -10.0, 0.004, -0.004])
+    lifted = Weight().apply(signal, CONTEXT, {"one_sided_rad_s": -0.5})
+    assert lifted == pytest.approx([10.5, -9.5, 0.004, -0.004])
 
 
 @given(loss=st.floats(-3.0, 3.0), speed=st.floats(-20.0, 20.0))
