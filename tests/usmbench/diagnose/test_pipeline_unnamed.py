@@ -101,6 +101,24 @@ def test_three_causes_at_once_have_no_name(
     assert {c.name for c in diagnose([record], model).causes} == {a.effect.name for a in _THREE}
 
 
+@pytest.mark.parametrize(
+    ("offset_deg", "says", "named"),
+    [(0.05, "partly_explained", ["encoder_eccentricity"]), (0.5, "unexplained", [])],
+)
+def test_a_cause_stands_without_a_trifle_that_leaves_something_too(
+    model: HammersteinModel,
+    monkeypatch: pytest.MonkeyPatch,
+    offset_deg: float,
+    says: str,
+    named: list[str],
+) -> None:
+    monkeypatch.setattr(found_module, "verdict", lambda *_: "partly_explained")
+    disc = applied("encoder_eccentricity", "", cosine=0.025, sine=0.0)
+    offset = applied("phase_offset", "", offset_deg=offset_deg)
+    found = diagnose([measured(3, disc, offset)], model)
+    assert (found.verdict, [cause.name for cause in found.causes]) == (says, named)
+
+
 @pytest.mark.parametrize(("n_named", "says"), [(1, "partly_explained"), (2, "unexplained")])
 def test_several_causes_that_leave_something_have_no_name(
     model: HammersteinModel, monkeypatch: pytest.MonkeyPatch, n_named: int, says: str

@@ -28,7 +28,9 @@ _LIKE_A_CAUSE = (
     "what is left resembles a cause of the library more than chance does, though it cannot be "
     "named for it"
 )
-LOUD = 1.5  # times the noise of the model's runs, from which on it is a finding by itself
+# Times the noise of the model's runs, from which on it is a finding beside a name, and by itself.
+LOUD, LOUDER = 1.5, 1.3
+_SELDOM = 1e-99  # nobody reads more
 _FAR = 3.0  # times the noise: one window in 370 by chance
 _FEWEST_ROWS, _MOST_PARTS = 8, 12  # of a run, to say where in time most is left
 
@@ -45,8 +47,8 @@ class Beyond:
         Of these, by how many single ones more than `_FAR` times the noise is left.
     times_noise
         Root mean square of all rows and of what is no news, over what noise leaves.
-    p_value
-        Probability of as much in all rows or in all views together where nothing is wrong.
+    p_rows, p_views
+        Probabilities of as much in all rows and in all views together where nothing is wrong.
     p_excused
         Probability that the model is as far off as it would have to be to explain it all; 1 where
         something is named.
@@ -57,7 +59,8 @@ class Beyond:
     n_rows: int
     n_far: int
     times_noise: float
-    p_value: float
+    p_rows: float
+    p_views: float
     p_excused: float
     where: str
 
@@ -84,7 +87,8 @@ class Beyond:
             n_rows,
             int(np.count_nonzero(np.abs(rows) > _FAR)),
             float(np.sqrt(square / n_rows)),
-            min(views.p_value, float(chi2.sf(square, n_rows))),
+            float(chi2.sf(square, n_rows)),
+            views.p_value,
             1.0 if effects else excused(problem, spread).p_value,
             _where(problem, rows),
         )
@@ -98,11 +102,15 @@ class Beyond:
                 f"it: {self.n_far} of {self.n_rows} by more than {_FAR:g} times the noise, where "
                 f"chance leaves {by_chance:.2g}, most {self.where}"
             )
-        if self.p_value < PLAINLY:
+        if self.p_rows < PLAINLY:
             return (
-                "all windows and views together show more than noise leaves, though none of them "
-                f"does by itself: {self.times_noise:.3g} times as much (root mean square), most "
-                f"{self.where}"
+                "all windows together show more than noise leaves, though no view does by itself: "
+                f"{self.times_noise:.3g} times as much (root mean square), most {self.where}"
+            )
+        if self.p_views < PLAINLY:
+            return (
+                "all views together show more than noise leaves, though none of them does by "
+                f"itself: chance shows as much in one run of {1.0 / max(self.p_views, _SELDOM):.0e}"
             )
         if self.p_excused < PLAINLY:
             return (
@@ -143,7 +151,7 @@ def describe(views: Sequence[View], spread: float, beyond: Beyond | None = None)
         not named.
     """
     worst = max(views, key=lambda view: view.excess_after)
-    if spread > LOUD and worst.excess_after < LOUD:
+    if spread > LOUDER and worst.excess_after < LOUD:
         return Remainder(
             "noise",
             f"the windows scatter {spread:.2g} times as widely as in the model's runs, without a "

@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 from usmbench.diagnose.cutting.command_times import at_moments_of
 from usmbench.diagnose.cutting.stretches import Mask, Stretch
 from usmbench.diagnose.fitting.huber_weights import huber_weights
-from usmbench.diagnose.fitting.refining import refine_widely
+from usmbench.diagnose.fitting.refining import refine, refine_widely
 from usmbench.diagnose.known.knowledge import Knowledge
 from usmbench.diagnose.naming.chance import chancy_of
 from usmbench.diagnose.naming.found import Found, verdict_on
 from usmbench.diagnose.naming.pairs import hidden_pair
-from usmbench.diagnose.naming.ranking import SIGNIFICANT, Ranked, rank
+from usmbench.diagnose.naming.ranking import FORM_OFF, SIGNIFICANT, Ranked, rank
 from usmbench.diagnose.naming.remainder import LOUD
-from usmbench.diagnose.naming.stepwise import Named, name_causes, noise_spread
+from usmbench.diagnose.naming.stepwise import Named, name_causes, noise_spread, settled
 from usmbench.diagnose.naming.weighed_again import weighed_again
 from usmbench.diagnose.noise.noise_estimate import noise_as_stated
 from usmbench.diagnose.noise.noise_model import Noise
@@ -70,7 +70,8 @@ def search(
         if struck is not None:
             return struck
     if unclear:
-        return _with_a_pair(weighed, None, found, effects)
+        found = _with_a_pair(weighed, None, found, effects)
+        return _without_a_trifle(weighed, named, found) if _unclear(found) else found
     if len(named.rankings) == 1 and named.leaves_a_cause:
         return _with_a_pair(weighed, named, found, effects)
     return found
@@ -185,6 +186,22 @@ def _with_a_pair(
     quiet = both.spread <= _AS_QUIET * found.spread
     stands = quiet and verdict_on(both, None) == "explained"
     return both if stands else found
+
+
+def _without_a_trifle(weighed: _Weighed, named: Named, found: Found) -> Found:
+    """Leave out the lesser of two causes, if it brings no more than the other's form is off by.
+
+    Two that leave something are patches; one that does may be the cause all the same.
+    """
+    if len(named.rankings) != 2:
+        return found
+    problem, whole = named.problem, named.fit
+    each = [replace(whole, effects=(applied,)) for applied in whole.effects]
+    lead, fit = max(enumerate(refine(problem, one) for one in each), key=lambda f: f[1].statistic)
+    if whole.statistic - fit.statistic > FORM_OFF * whole.statistic:
+        return found
+    alone = weighed.found(settled(weighed.problem, [named.rankings[lead]], fit))
+    return found if _unclear(alone) else alone
 
 
 def _mostly_left_out(found: Found) -> bool:

@@ -96,14 +96,32 @@ def test_a_grid_of_phases_that_explains_some_is_an_accident(
     assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), None) == verdict
 
 
-@pytest.mark.parametrize(("share", "verdict"), [(0.2, "no_discrepancy"), (0.3, "unexplained")])
-def test_what_has_no_name_counts_window_by_window(share: float, verdict: str) -> None:
+@pytest.mark.parametrize(
+    ("share", "p_value", "verdict"),
+    [
+        (0.2, 1e-6, "no_discrepancy"),
+        (0.3, 1e-6, "unexplained"),
+        (0.03, 1e-12, "unexplained"),
+        (0.01, 1e-12, "no_discrepancy"),
+    ],
+)
+def test_what_has_no_name_counts_window_by_window(
+    share: float, p_value: float, verdict: str
+) -> None:
     problem = judged(1.0)
     # In a window in which the rotor stops the plain error is large, and tells nothing.
     problem.residual_rad_s[0][100] = 50.0
-    found = Whole(share * problem.n_rows, 0.0, problem.n_rows)
+    found = Whole(share * problem.n_rows, p_value, problem.n_rows)
     fit = Fit((), 0.0, 0.0)
     assert verdict_on(Found(problem, 1.0, [], [], fit, found, found), None) == verdict
+
+
+@pytest.mark.parametrize(("spread", "verdict"), [(1.2, "no_discrepancy"), (1.4, "unexplained")])
+def test_more_noise_than_the_model_knows_is_a_finding(spread: float, verdict: str) -> None:
+    problem = judged(spread)
+    quiet = Whole(0.0, 1.0, problem.n_rows)
+    found = Found(problem, spread, [], [], Fit((), 0.0, 0.0), quiet, quiet)
+    assert verdict_on(found, None) == verdict
 
 
 @pytest.mark.parametrize(("times", "verdict"), [(2.0, "no_discrepancy"), (6.0, "unexplained")])
