@@ -96,7 +96,7 @@ class RunWriter:
             return cls._begin(folder, new_meta(meta), temperature=temperature, raw=raw)
         except (OSError, BenchError) as error:
             shutil.rmtree(folder, ignore_errors=True)
-            why = error.strerror if isinstance(error, OSError) else error
+            why = error.strerror if isinstance(error, OSError) else str(error).partition(";")[0]
             raise InputError(
                 f"cannot be written: {why}; free some space or name another folder", file=folder
             ) from error

@@ -344,3 +344,15 @@ def test_a_full_disk_ends_a_sweep_with_raw_samples_in_good_order(tmp_path: Path)
     with h5py.File(folder / "raw.h5", "r", libver="latest", swmr=True) as file:
         written = file["counts"][:]
     assert written.size > 0
+
+
+def test_a_disk_too_full_to_begin_is_told_once(tmp_path: Path) -> None:
+    command = ["sweep", "phase-sweep", "--bench", "simulated", "--raw", "--out", "run"]
+    limited = ["sh", "-c", 'ulimit -f 200 && exec "$@"', "sh", sys.executable, "-m", "usmbench"]
+    done = subprocess.run(
+        [*limited, *command], cwd=tmp_path, capture_output=True, text=True, timeout=100.0
+    )
+    assert done.returncode == 2, done.stderr
+    assert "raw.h5: the counter samples cannot be kept" in done.stderr
+    assert (done.stderr.count("\n"), done.stderr.count("free some space")) == (1, 1)
+    assert not (tmp_path / "run").exists()
