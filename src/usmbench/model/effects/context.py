@@ -114,6 +114,17 @@ def longest_s(contexts: Sequence[Context]) -> float:
     return max(float(c.driving.driven_s(c.t_s[-1:])[0]) for c in contexts)
 
 
+def highest_settled_rad_s(contexts: Sequence[Context]) -> float:
+    """Return the highest settled speed, either way, that the commands of all runs ask for.
+
+    Parameters
+    ----------
+    contexts
+        Stretches, at least one.
+    """
+    return max(float(np.max(np.abs(c.settled_rad_s(c.phase_deg)))) for c in contexts)
+
+
 def middle_rad(speed_rad_s: Array, window_s: Array | float) -> Array:
     """Return the angle turned from the start to the middle of each window, shape (N,).
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from usmbench.model.effects.base import Array, Effect, Values
-from usmbench.model.effects.context import Context
+from usmbench.model.effects.context import Context, highest_settled_rad_s
 from usmbench.model.effects.parameter import Parameter
 
 _MEANING = "A steady torque acts on the shaft that the simulation does not know."
@@ -187,8 +187,8 @@ class _AlongBend(Effect):
         contexts
             All stretches.
         """
-        top = max(float(np.max(np.abs(c.settled_rad_s(c.phase_deg)))) for c in contexts)
-        return {"rounded_rad_s": np.clip(top * np.array(_SHARES), _ROUNDED.low, _ROUNDED.high)}
+        bends_rad_s = highest_settled_rad_s(contexts) * np.array(_SHARES)
+        return {"rounded_rad_s": np.clip(bends_rad_s, _ROUNDED.low, _ROUNDED.high)}
 
 
 class WeightAlongBend(_AlongBend):

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from usmbench.model.effects.base import Array, Effect, Values
-from usmbench.model.effects.context import Context
+from usmbench.model.effects.context import Context, highest_settled_rad_s
 from usmbench.model.effects.lone_windows import LoneWindows, SporadicEffect, Weighed
 from usmbench.model.effects.parameter import Parameter
 
@@ -164,8 +164,8 @@ class LostNowAndThen(SporadicEffect):
 
 def _thresholds_rad_s(contexts: Sequence[Context]) -> Array:
     """From a quarter of the highest speed to just below it."""
-    top = max(float(np.max(np.abs(c.settled_rad_s(c.phase_deg)))) for c in contexts)
-    return np.asarray(top * np.linspace(0.25, 0.98, 38), dtype=np.float64)
+    shares = np.linspace(0.25, 0.98, 38)
+    return np.asarray(highest_settled_rad_s(contexts) * shares, dtype=np.float64)
 
 
 FORMS = (LostExcess(), LostShare(), LostNowAndThen())

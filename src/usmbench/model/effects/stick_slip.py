@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from usmbench.model.effects.base import Array, Effect, Values
-from usmbench.model.effects.context import Context
+from usmbench.model.effects.context import Context, highest_settled_rad_s
 from usmbench.model.effects.later_start import WIDER
 from usmbench.model.effects.parameter import Parameter
 
@@ -62,8 +62,8 @@ class StickSlip(Effect):
         contexts
             All stretches.
         """
-        top = max(float(np.max(np.abs(c.settled_rad_s(c.phase_deg)))) for c in contexts)
-        return {"fades_rad_s": np.clip(top * np.geomspace(0.01, 0.4, 8), 0.02, 5.0)}
+        fades_rad_s = highest_settled_rad_s(contexts) * np.geomspace(0.01, 0.4, 8)
+        return {"fades_rad_s": np.clip(fades_rad_s, 0.02, 5.0)}
 
     @property
     def lookalikes(self) -> tuple[Effect, ...]:

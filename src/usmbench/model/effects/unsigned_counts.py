@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 from scipy.special import erf
 
 from usmbench.model.effects.base import Array, Effect, Values
-from usmbench.model.effects.context import Context
+from usmbench.model.effects.context import Context, highest_settled_rad_s
 from usmbench.model.effects.parameter import Parameter
 
 # Shares of the highest speed: what is less may be noise, or a model's ringing.
@@ -113,7 +113,7 @@ class WithItsNoise(UnsignedCounts):
         contexts
             All stretches.
         """
-        return {"noise_rad_s": _top_rad_s(contexts) * np.array([1e-3, 3e-3, 0.01, 0.03, 0.1])}
+        return {"noise_rad_s": highest_settled_rad_s(contexts) * np.array([1e-3, 3e-3, 0.01, 0.03, 0.1])}
 
 
 class Rectified(UnsignedCounts):
@@ -173,14 +173,9 @@ class Rectified(UnsignedCounts):
             All stretches.
         """
         return {
-            "knee_rad_s": _top_rad_s(contexts) * np.array([0.0, 0.1, 0.3, 1.0, 3.0]),
+            "knee_rad_s": highest_settled_rad_s(contexts) * np.array([0.0, 0.1, 0.3, 1.0, 3.0]),
             "smoothing_s": contexts[0].window_s * np.array([0.0, 1.0, 2.0, 4.0]),
         }
-
-
-def _top_rad_s(contexts: Sequence[Context]) -> float:
-    """Return the highest speed of all stretches."""
-    return max(float(np.max(np.abs(c.settled_rad_s(c.phase_deg)))) for c in contexts)
 
 
 FORMS = (UnsignedCounts(), WithItsNoise(), Rectified())

@@ -48,7 +48,7 @@ def test_what_the_model_may_owe_is_said_where_nothing_else_is_plain(
     excess: float, warns: bool
 ) -> None:
     problem = judged(1.0)
-    whole = Whole(excess * problem.n_rows, 0.0, problem.n_rows)
+    whole = Whole(excess * problem.n_rows, 1e-6, problem.n_rows)
     found = Found(problem, 1.0, [], [], Fit((), 0.0, 0.0), whole, whole)
     said = [w for w in said_beside(found, "unexplained") if "own error" in w]
     assert len(said) == warns
