@@ -232,9 +232,7 @@ def through(effects: Sequence[Applied], stage: Stage, signal: Array, context: Co
         The stretch.
     """
     own = [applied for applied in effects if applied.effect.stage == stage]
-    if len(own) > 1:
-        own.sort(key=lambda applied: not applied.effect.early)
-    for applied in own:
+    for applied in sorted(own, key=lambda applied: not applied.effect.early):
         signal = applied.effect.apply(signal, context, applied.values)
     return signal
 
