@@ -21,9 +21,9 @@ Array = NDArray[np.float64]
 # What a further cause has to bring in deviance though the form of those before it is in doubt: what
 # patches bring, see "two causes" in benchmarks/naming_campaign.py, and a share of the first.
 _SECOND_LEAST, _SECOND_SHARE = 50.0, 3e-4
-# And no less than both shares, of the first and of the noise: beside a large first, what is a fifth of
-# the noise and less is what that first misses at the edge of a dead zone.
-_TRIFLE, _SLIGHT = 0.01, 0.04
+# And a share of a large first, up to twice what patches bring: that misses so much at the edge of a
+# dead zone.
+_TRIFLE, _LARGE_LEAST = 0.01, 100.0
 # Less is asked beside a small first that no other may stand for, where the doubt leaves it whole.
 _CLEAR_LEAST, _CLEAR_SHARE = 20.0, 2.5e-3
 # Of what it brings; a cause that keeps less looks like a misfit of those before it, and has to
@@ -148,8 +148,8 @@ def earns_its_place(
     least = _SECOND_LEAST
     if itself and not first.rivals:
         least = min(least, max(_CLEAR_LEAST, _CLEAR_SHARE * first.evidence))
-    slight = min(_TRIFLE * first.evidence, _SLIGHT * problem.n_rows)
-    least = max(least, slight, _SECOND_SHARE * first.evidence)
+    trifle = min(_TRIFLE * first.evidence, _LARGE_LEAST)
+    least = max(least, trifle, _SECOND_SHARE * first.evidence)
     return kept >= least and brings >= share * first.evidence
 
 

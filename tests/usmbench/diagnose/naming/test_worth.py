@@ -158,7 +158,7 @@ def test_a_cause_that_may_be_a_misfit_of_the_first_is_asked_for_more(
         (30.0, 1.0, First(2e4), False),
         (60.0, 1.0, First(5e3), True),
         (60.0, 1.0, First(2e4), False),
-        (90.0, 1.0, First(2e4), True),
+        (110.0, 1.0, First(2e4), True),
         (50.0, 0.8, First(1e3), False),
         (70.0, 0.8, First(1e3), True),
     ],
