@@ -113,7 +113,8 @@ class WithItsNoise(UnsignedCounts):
         contexts
             All stretches.
         """
-        return {"noise_rad_s": highest_settled_rad_s(contexts) * np.array([1e-3, 3e-3, 0.01, 0.03, 0.1])}
+        shares = np.array([1e-3, 3e-3, 0.01, 0.03, 0.1])
+        return {"noise_rad_s": highest_settled_rad_s(contexts) * shares}
 
 
 class Rectified(UnsignedCounts):
