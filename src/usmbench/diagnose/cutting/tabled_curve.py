@@ -43,7 +43,7 @@ class TabledCurve:
 
     def _looked_up(self, phase_deg: Array) -> Array:
         place = (phase_deg - _LOW_DEG) * (_CELLS / (_HIGH_DEG - _LOW_DEG))
-        np.minimum(np.maximum(place, 0.0, out=place), _CELLS, out=place)  # as np.clip, but sooner
+        np.minimum(np.maximum(place, 0.0, out=place), _CELLS, out=place)  # np.clip, but faster
         left = np.minimum(place.astype(np.intp), _CELLS - 1)
         total = np.zeros(left.size)
         for table, rise, weight in self._parts:

@@ -13,7 +13,7 @@ from usmbench.diagnose.fitting.huber_weights import huber_weights
 from usmbench.diagnose.fitting.refining import refine
 from usmbench.diagnose.naming.chance import chancy_of, leaves_scatter
 from usmbench.diagnose.naming.ranking import NO_CHANCE, Ranked
-from usmbench.diagnose.naming.remainder import LOUD, LOUDER
+from usmbench.diagnose.naming.remainder import LOUD, LOUD_ALONE
 from usmbench.diagnose.naming.sporadic import Sporadic
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.whole import (
@@ -31,8 +31,8 @@ Array = NDArray[np.float64]
 _MOST_NAMED = 2  # where a third earns its place, too, it is more likely that none is the cause
 # Where no other reason stands beside a threshold here, it was chosen while watching draws of
 # simulated motors (docs/explanations/diagnosis.md), and no measurement fixes it.
-# What has no name is a finding only from half the noise's rms on, or from a seventh where the views
-# leave no doubt; a name must earn its own place.
+# What has no name is a finding only from half the noise's rms on, or from a seventh where chance
+# shows as much in the views of one run in 10⁹; a name must earn its own place.
 _LEAST_EXCESS, _LEAST_SURE, _SURE = 0.25, 0.02, 1e-9
 # How far what is no news may depart is an estimate: of that only what is larger than the noise.
 _LEAST_HIDDEN = 1.0
@@ -98,7 +98,7 @@ class Found:
         n_rows, beyond = self.problem.n_rows, self.beyond_noise
         rows = Whole(beyond, float(chi2.sf(beyond + n_rows, n_rows)), n_rows)
         shown = any(w.beyond(PLAINLY, _LEAST_EXCESS) for w in (self.before, rows))
-        return shown or self.before.beyond(_SURE, _LEAST_SURE) or self.spread > LOUDER
+        return shown or self.before.beyond(_SURE, _LEAST_SURE) or self.spread > LOUD_ALONE
 
     @property
     def off_in_all(self) -> float:

@@ -28,9 +28,9 @@ _LIKE_A_CAUSE = (
     "what is left resembles a cause of the library more than chance does, though it cannot be "
     "named for it"
 )
-# Times the noise of the model's runs, from which on it is a finding beside a name, and by itself.
-LOUD, LOUDER = 1.5, 1.3
-_SELDOM = 1e-99  # nobody reads more
+# Times the noise of the model's runs from which on more is a finding: beside a name, and alone.
+LOUD, LOUD_ALONE = 1.5, 1.3
+_SELDOM = 1e-99  # so that one in so many can be written
 _FAR = 3.0  # times the noise: one window in 370 by chance
 _FEWEST_ROWS, _MOST_PARTS = 8, 12  # of a run, to say where in time most is left
 
@@ -151,7 +151,8 @@ def describe(views: Sequence[View], spread: float, beyond: Beyond | None = None)
         not named.
     """
     worst = max(views, key=lambda view: view.excess_after)
-    if spread > LOUDER and worst.excess_after < LOUD:
+    most = LOUD if spread > LOUD else 1.0
+    if spread > LOUD_ALONE and worst.excess_after < most:
         return Remainder(
             "noise",
             f"the windows scatter {spread:.2g} times as widely as in the model's runs, without a "

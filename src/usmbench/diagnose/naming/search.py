@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from usmbench.diagnose.cutting.command_times import at_moments_of
 from usmbench.diagnose.cutting.stretches import Mask, Stretch
 from usmbench.diagnose.fitting.huber_weights import huber_weights
-from usmbench.diagnose.fitting.refining import refine, refine_widely
+from usmbench.diagnose.fitting.refining import refine_widely
 from usmbench.diagnose.known.knowledge import Knowledge
 from usmbench.diagnose.naming.chance import chancy_of
 from usmbench.diagnose.naming.found import Found, verdict_on
@@ -71,7 +71,7 @@ def search(
             return struck
     if unclear:
         found = _with_a_pair(weighed, None, found, effects)
-        return _without_a_trifle(weighed, named, found) if _unclear(found) else found
+        return _without_a_trifle(weighed, found) if _unclear(found) else found
     if len(named.rankings) == 1 and named.leaves_a_cause:
         return _with_a_pair(weighed, named, found, effects)
     return found
@@ -188,19 +188,21 @@ def _with_a_pair(
     return both if stands else found
 
 
-def _without_a_trifle(weighed: _Weighed, named: Named, found: Found) -> Found:
+def _without_a_trifle(weighed: _Weighed, found: Found) -> Found:
     """Leave out the lesser of two causes, if it brings no more than the other's form is off by.
 
     Two that leave something are patches; one that does may be the cause all the same.
     """
-    if len(named.rankings) != 2:
+    whole = found.fit
+    if len(whole.effects) != 2:
         return found
-    problem, whole = named.problem, named.fit
-    each = [replace(whole, effects=(applied,)) for applied in whole.effects]
-    lead, fit = max(enumerate(refine(problem, one) for one in each), key=lambda f: f[1].statistic)
+    each = (replace(whole, effects=(applied,)) for applied in whole.effects)
+    fit = max((refine_widely(found.problem, one) for one in each), key=lambda f: f.statistic)
     if whole.statistic - fit.statistic > FORM_OFF * whole.statistic:
         return found
-    alone = weighed.found(settled(weighed.problem, [named.rankings[lead]], fit))
+    lead = next(r for r in weighed.ranked if r.effect == fit.effects[0].effect)
+    ranking = [lead, *(r for r in weighed.ranked if r is not lead)]
+    alone = weighed.found(settled(weighed.problem, [ranking], fit))
     return found if _unclear(alone) else alone
 
 

@@ -21,11 +21,11 @@ Array = NDArray[np.float64]
 # What a further cause has to bring in deviance though the form of those before it is in doubt: what
 # patches bring, see "two causes" in benchmarks/naming_campaign.py, and a share of the first.
 _SECOND_LEAST, _SECOND_SHARE = 50.0, 3e-4
-# And a share of a large first, up to twice what patches bring: that misses so much at the edge of a
-# dead zone.
-_TRIFLE, _LARGE_LEAST = 0.01, 100.0
+# And a share of the first, up to twice what patches bring: as much a large first misses at the
+# edges of a dead zone.
+_FIRST_SHARE, _FIRST_MOST = 0.01, 100.0
 # Less is asked beside a small first that no other may stand for, where the doubt leaves it whole.
-_CLEAR_LEAST, _CLEAR_SHARE = 20.0, 2.5e-3
+_CLEAR_LEAST = 20.0
 # Of what it brings; a cause that keeps less looks like a misfit of those before it, and has to
 # bring more than a form leaves that is off by as much as forms are.
 _ITSELF = 0.9
@@ -145,11 +145,9 @@ def earns_its_place(
     smooth = not any(applied.effect.jagged for applied in others)
     apart = itself and (smooth or _takes_the_rest(problem, others, together, spread))
     share = _SECOND_SHARE if apart else off**2
-    least = _SECOND_LEAST
-    if itself and not first.rivals:
-        least = min(least, max(_CLEAR_LEAST, _CLEAR_SHARE * first.evidence))
-    trifle = min(_TRIFLE * first.evidence, _LARGE_LEAST)
-    least = max(least, trifle, _SECOND_SHARE * first.evidence)
+    least = _CLEAR_LEAST if itself and not first.rivals else _SECOND_LEAST
+    missed = min(_FIRST_SHARE * first.evidence, _FIRST_MOST)
+    least = max(least, missed, _SECOND_SHARE * first.evidence)
     return kept >= least and brings >= share * first.evidence
 
 

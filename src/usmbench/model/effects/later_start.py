@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.model.effects.base import Array, Effect, Values
-from usmbench.model.effects.context import Context
+from usmbench.model.effects.context import Context, highest_settled_rad_s
 from usmbench.model.effects.parameter import Parameter
 
 _STANDING = 0.01  # share of the highest settled speed of the stretch below which the rotor stands
@@ -122,15 +122,17 @@ def _into_run_deg(context: Context) -> Array:
     return found
 
 
-def standing_rad_s(context: Context) -> float:
+def standing_rad_s(context: Context, share: float = _STANDING) -> float:
     """Return the settled speed below which the rotor counts as standing.
 
     Parameters
     ----------
     context
         The stretch.
+    share
+        Of the highest settled speed that it commands.
     """
-    return _STANDING * float(np.max(np.abs(context.settled_rad_s(context.phase_deg))))
+    return share * highest_settled_rad_s([context])
 
 
 WIDER = tuple(WiderDeadZone(sides) for sides in ((-1.0, 1.0), (1.0,), (-1.0,)))

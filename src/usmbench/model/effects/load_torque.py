@@ -11,22 +11,23 @@ import numpy as np
 
 from usmbench.model.effects.base import Array, Effect, Values
 from usmbench.model.effects.context import Context, highest_settled_rad_s
+from usmbench.model.effects.later_start import standing_rad_s
 from usmbench.model.effects.parameter import Parameter
 
 _MEANING = "A steady torque acts on the shaft that the simulation does not know."
 _MEND = "Look for a weight, a rubbing seal, a misaligned coupling or a brake that is not quite off."
+_HELD = 2e-3  # of the highest speed; nothing measured sets it
 
 
-# Of the highest speed: a curve drawn through a dead zone is hardly ever 0 in all of it.
-_HELD = 2e-3
+def _braked(signal: Array, loss_rad_s: Array, context: Context) -> Array:
+    """Take a loss from a speed; the torque cannot start a rotor that the contact holds.
 
-
-def _braked(signal: Array, loss_rad_s: Array) -> Array:
-    """Take a loss from a speed; the torque cannot start a rotor that the contact holds."""
+    Where it is held, the speed stays as the curve has it: drawn through a dead zone, that is hardly
+    ever 0 in all of it.
+    """
     slower = signal - loss_rad_s
     reversed_way = signal * slower < 0.0
-    size = np.abs(signal)
-    held = size <= _HELD * np.max(size, initial=0.0)
+    held = np.abs(signal) <= standing_rad_s(context, _HELD)
     return np.where(held, signal, np.where(reversed_way, 0.0, slower))
 
 
@@ -84,7 +85,7 @@ class Weight(Effect):
         signal, context, values
             As in `Effect.apply`.
         """
-        return _braked(signal, np.full(signal.shape, values["one_sided_rad_s"]))
+        return _braked(signal, np.full(signal.shape, values["one_sided_rad_s"]), context)
 
 
 class CreepingWeight(Weight):
@@ -131,7 +132,7 @@ class Drag(Effect):
         signal, context, values
             As in `Effect.apply`.
         """
-        return _braked(signal, values["drag_rad_s"] * np.sign(signal))
+        return _braked(signal, values["drag_rad_s"] * np.sign(signal), context)
 
 
 class WiderDeadZone(Effect):

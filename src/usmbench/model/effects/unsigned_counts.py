@@ -72,7 +72,7 @@ class UnsignedCounts(Effect):
 
 
 class WithItsNoise(UnsignedCounts):
-    """ω′ = E|ω + e|, the noise e being normal: at rest its mean is no longer 0.
+    """ω′ = E|ω + e|, the noise e being normal: at rest the mean is then not 0.
 
     Source: the mean of the folded normal distribution, doi:10.1080/00401706.1961.10489974.
     """

@@ -24,6 +24,7 @@ WINDOW_S, NOISE_RAD_S = 0.02, 0.02
 # A lag of a tenth of a second, and a belt that rings at 4 Hz.
 DYNAMICS = LinearPart(np.array([-2.45, 2.17, -0.69]), np.array([0.006, 0.018, 0.006]), 0, WINDOW_S)
 PLAIN = Applied(find_effect("unsigned_counts", ""), {})
+NOISY = Applied(find_effect("unsigned_counts", "with its noise"), {"noise_rad_s": 0.2})
 RECTIFIED = Applied(
     find_effect("unsigned_counts", "rectified"), {"knee_rad_s": 1.0, "smoothing_s": 0.04}
 )
@@ -57,7 +58,7 @@ def diagnosed(record: Record) -> Diagnosis:
     return diagnose([record], identify_fast([record], FastOptions(na=3, nb=2)).model)
 
 
-@pytest.mark.parametrize("blindness", [PLAIN, RECTIFIED])
+@pytest.mark.parametrize("blindness", [PLAIN, NOISY, RECTIFIED])
 def test_the_loss_of_sign_is_named_and_the_motor_found_again(blindness: Applied) -> None:
     found = diagnosed(counted_run(1, [blindness]))
     (cause,) = found.causes

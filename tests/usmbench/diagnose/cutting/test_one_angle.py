@@ -21,7 +21,7 @@ def _eccentric(seed: int, share: float, phase_rad: float) -> Record:
     return measured(seed, applied("encoder_eccentricity", "", cosine=cosine, sine=sine))
 
 
-@pytest.mark.parametrize("apart_rad", [3.1, -2.0])
+@pytest.mark.parametrize("apart_rad", [1.2, 3.1, -2.0])
 def test_a_disc_is_named_from_runs_that_begin_at_other_angles(
     model: HammersteinModel, apart_rad: float
 ) -> None:

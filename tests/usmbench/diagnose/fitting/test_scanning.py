@@ -33,7 +33,7 @@ CURVE = StaticCurve(
 )
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(4))
 def test_a_step_between_two_of_the_grid_is_found_among_random_phases(seed: int) -> None:
     draw = np.random.default_rng([seed, 8])
     effect = find_effect("phase_quantisation", ("rounded", "cut off")[seed % 2])

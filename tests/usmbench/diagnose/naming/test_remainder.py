@@ -74,7 +74,14 @@ def test_of_several_runs_the_one_that_leaves_most_is_named() -> None:
 
 
 @pytest.mark.parametrize(
-    ("excess", "spread", "versus"), [(0.7, 1.4, "noise"), (1.2, 1.0, "angle"), (2.0, 1.6, "angle")]
+    ("excess", "spread", "versus"),
+    [
+        (0.7, 1.4, "noise"),
+        (1.2, 1.4, "angle"),
+        (1.2, 1.6, "noise"),
+        (1.2, 1.0, "angle"),
+        (2.0, 1.6, "angle"),
+    ],
 )
 def test_a_view_or_the_scatter_that_shows_it_comes_first(
     excess: float, spread: float, versus: str

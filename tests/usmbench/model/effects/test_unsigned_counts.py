@@ -1,4 +1,4 @@
-"""A counter that takes the sign from the speed, and from its noise."""
+"""A counter that drops the sign of the speed, and of its noise."""
 
 from dataclasses import replace
 
