@@ -1,15 +1,12 @@
 """What a user meets: arguments, messages, exit statuses, paths."""
 
 import signal
-import subprocess
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import h5py
 import pytest
 import yaml
 
@@ -324,35 +321,3 @@ def test_a_damaged_run_is_refused_before_the_bench_is_opened(
     assert (output.out, output.err.count("\n")) == ("", 1)
     assert f"usmbench: {windows}" in output.err
     assert len(opened.generators) == 1
-
-
-def test_a_full_disk_ends_a_sweep_with_raw_samples_in_good_order(tmp_path: Path) -> None:
-    """Full for raw.h5 alone: that is what a limit to a file's size is, and anybody may set it."""
-    command = ["sweep", "phase-sweep", "--bench", "simulated", "--raw", "--out", "run"]
-    limited = ["sh", "-c", 'ulimit -f 600 && exec "$@"', "sh", sys.executable, "-m", "usmbench"]
-    done = subprocess.run(
-        [*limited, *command], cwd=tmp_path, capture_output=True, text=True, timeout=100.0
-    )
-    assert done.returncode == 3, done.stderr
-    assert done.stderr.count("\n") == 1
-    assert "raw.h5: the counter samples cannot be kept" in done.stderr
-    folder = tmp_path / "run"
-    meta = yaml.safe_load((folder / "run.yaml").read_text())
-    assert meta["exit"].startswith("failed: ")
-    assert set(meta["sha256"]) == {"windows.csv", "pairs.csv"}
-    assert {file.name for file in folder.iterdir()} == {"run.yaml", "raw.h5", *meta["sha256"]}
-    with h5py.File(folder / "raw.h5", "r", libver="latest", swmr=True) as file:
-        written = file["counts"][:]
-    assert written.size > 0
-
-
-def test_a_disk_too_full_to_begin_is_told_once(tmp_path: Path) -> None:
-    command = ["sweep", "phase-sweep", "--bench", "simulated", "--raw", "--out", "run"]
-    limited = ["sh", "-c", 'ulimit -f 200 && exec "$@"', "sh", sys.executable, "-m", "usmbench"]
-    done = subprocess.run(
-        [*limited, *command], cwd=tmp_path, capture_output=True, text=True, timeout=100.0
-    )
-    assert done.returncode == 2, done.stderr
-    assert "raw.h5: the counter samples cannot be kept" in done.stderr
-    assert (done.stderr.count("\n"), done.stderr.count("free some space")) == (1, 1)
-    assert not (tmp_path / "run").exists()

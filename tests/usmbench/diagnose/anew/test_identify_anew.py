@@ -83,7 +83,8 @@ def test_short_and_noisy_runs_show_the_loss_too(seed: int) -> None:
     assert [cause.name for cause in found.causes] == ["unsigned_counts"]
 
 
-def test_a_motor_that_stands_still_one_way_is_not_called_blind() -> None:
+@pytest.mark.parametrize("seed", range(2))
+def test_a_motor_that_stands_still_one_way_is_not_called_blind(seed: int) -> None:
     # Its counter tells which way: a blind one would fold what the belt swings back.
-    found = diagnosed(counted_run(0, [], backwards=0.0))
+    found = diagnosed(counted_run(seed, [], backwards=0.0))
     assert not found.causes

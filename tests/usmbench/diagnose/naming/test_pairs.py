@@ -45,7 +45,9 @@ def test_a_register_and_an_offset_are_both_named(
     assert values["phase_offset"]["offset_deg"] == pytest.approx(offset_deg, abs=0.02)
 
 
-@pytest.mark.parametrize(("step_deg", "one_sided_rad_s"), [(0.71, -0.05), (2.06, 0.14)])
+@pytest.mark.parametrize(
+    ("step_deg", "one_sided_rad_s"), [(0.71, -0.05), (1.13, -0.14), (2.06, 0.14)]
+)
 def test_a_weight_that_makes_up_for_half_a_step_is_named_beside_the_register(
     model: HammersteinModel, step_deg: float, one_sided_rad_s: float
 ) -> None:
@@ -61,8 +63,8 @@ def test_a_weight_that_makes_up_for_half_a_step_is_named_beside_the_register(
 
 @pytest.mark.parametrize(
     ("offset_deg", "asymmetry"),
-    [(-0.3, 0.01), (0.6, 0.02)],
-    ids=["against it", "with it, much like a weight"],
+    [(-0.3, 0.01), (-0.6, 0.02), (0.6, 0.02)],
+    ids=["against it", "more against it", "with it, much like a weight"],
 )
 def test_an_offset_and_teeth_that_lean_are_both_named(
     model: HammersteinModel, offset_deg: float, asymmetry: float

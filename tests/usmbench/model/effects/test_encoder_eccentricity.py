@@ -55,10 +55,11 @@ def test_a_tilt_adds_a_ripple_twice_a_revolution_that_is_a_share_of_the_first() 
     assert TILTED.apply(speed, _context(turned_rad), none) == pytest.approx(speed)
 
 
-def test_a_disc_off_centre_is_named_beside_a_tilt_and_a_tilt_alone_is_not() -> None:
-    draw = np.random.default_rng([0, 41])
+@pytest.mark.parametrize("seed", range(2))
+def test_a_disc_off_centre_is_named_beside_a_tilt_and_a_tilt_alone_is_not(seed: int) -> None:
+    draw = np.random.default_rng([seed, 41])
     ripple, share, turn = draw.uniform(0.03, 0.08), draw.uniform(0.1, 0.35), draw.uniform(0, 6, 2)
-    healthy = measured(60)
+    healthy = measured(60 + seed)
     angle_rad = np.cumsum(healthy.speed_rad_s) * WINDOW_S
 
     def seen(once: float, twice: float) -> Record:

@@ -78,8 +78,10 @@ def test_a_weight_that_creeps_acts_at_rest_too_but_not_without_drive(
     assert slower == pytest.approx([speed - loss, speed])
 
 
-def test_a_torque_that_widens_the_dead_zone_is_named() -> None:
-    healthy, wider_deg = measured(80), np.random.default_rng([0, 77]).uniform(1.0, 6.0)
+@pytest.mark.parametrize("seed", range(2))
+def test_a_torque_that_widens_the_dead_zone_is_named(seed: int) -> None:
+    draw = np.random.default_rng([seed, 77])
+    healthy, wider_deg = measured(80 + seed), draw.uniform(1.0, 6.0)
     size_deg = np.maximum(np.abs(healthy.phase_deg) - wider_deg, 0.0)
     moved = CURVE.speed_rad_s(np.sign(healthy.phase_deg) * size_deg)
     noise_rad_s = healthy.speed_rad_s - free_run(KNOWN, CURVE.speed_rad_s(healthy.phase_deg))
