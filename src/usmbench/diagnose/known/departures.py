@@ -51,11 +51,13 @@ def departures(stretch: Stretch, habits: Sequence[Applied], n_constants: int) ->
     stuck = -np.sign(share) * np.interp(np.abs(share), _STICKING, (0.0, 1.0, 0.0))
     gain, held, wider, detuned = changes = _changes(stretch)
     fast = 2.0 * np.minimum(np.abs(share), 1.0) - 1.0
-    tilted = [gain * place for place in (fast, *stretch.places)]
-    sides = (wider, wider * np.sign(stretch.context.phase_deg))
+    places = np.column_stack((fast, *stretch.places))
+    tilted = shown(stretch, stretch.settled_rad_s[:, None] * places)
+    one_sided = widening_by_share(stretch, np.sign(stretch.context.phase_deg))
+    sides = (wider, one_sided)
     apart = (later_rad_s_per_s(stretch), detuned, shown(stretch, stuck), *sides, held)
     warms = _warming(stretch, changes, slice(0, n_constants))
-    return np.column_stack((gain, *tilted, *apart, *warms, _stronger(stretch, habits)))
+    return np.column_stack((gain, tilted, *apart, *warms, _stronger(stretch, habits)))
 
 
 def unwatched_warming(stretch: Stretch, n_known: int, n_lasts: int) -> Array:

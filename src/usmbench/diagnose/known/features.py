@@ -178,7 +178,7 @@ class Features:
         yield later_rad_s_per_s(stretch)
         yield from after_steps(stretch, self.top_rad_s)
         yield from near_standstill(stretch, self.top_rad_s)
-        yield widening(stretch) * stretch.direction * np.sign(stretch.context.phase_deg)
+        yield widening(stretch, stretch.direction * np.sign(stretch.context.phase_deg))
         angle_rad = stretch.context.angle_rad
         for harmonic in (1, 2):
             for wave in (np.cos, np.sin):
@@ -200,7 +200,7 @@ class Features:
         held, (steady, *_, vibration) = shown(stretch, held_back(stretch)), self._warmth(stretch)
         yield from self._times_warmth(stretch, held)
         for there in stretch.places:
-            yield from there * held * steady
+            yield from shown(stretch, there * held_back(stretch)) * steady
         if self.steepest_rad_s is not None:
             # A shift that is there from the start is none of the phases': its sign differs
             # between the sides of the resonance.
@@ -212,7 +212,7 @@ class Features:
         wider = widening_by_share(stretch)
         yield from wider * steady
         for there in stretch.places:
-            yield from there * wider * steady
+            yield from widening_by_share(stretch, there) * steady
 
     def _warmth(self, stretch: Stretch) -> Array:
         """Return the stretch's warmth at the constants that count, shape (3, C, N)."""

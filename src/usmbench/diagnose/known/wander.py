@@ -15,7 +15,6 @@ Array = NDArray[np.float64]
 _STRONGER, _AS_STRONG = 0.1, 0.02
 _BEST_GAIN = 2e-4  # no bench repeats better than that
 _WARMS_ALIKE = 0.1  # of the least that one run cannot show
-_ONE_SIDED = 3e-4  # of the dead zone's width: nobody knows its ends better
 _RESONANCE = 3e-6  # by which a fifth of a kelvin moves it: no bench starts warmer by less
 
 
@@ -24,7 +23,7 @@ class Shares(NamedTuple):
 
     Parameters
     ----------
-    gain, tilt, wider, warms_gain, warms_wider, warms_shift
+    gain, tilt, wider, one_sided, warms_gain, warms_wider, warms_shift
         Shares, as in `Wander`.
     late_s
         In s.
@@ -37,6 +36,7 @@ class Shares(NamedTuple):
     late_s: float
     stuck: float
     wider: float
+    one_sided: float
     held: float
     warms_gain: float
     warms_held: float
@@ -50,6 +50,7 @@ LEAST = Shares(
     late_s=3e-6,
     stuck=2e-4,
     wider=1e-3,
+    one_sided=3e-4,
     held=2e-4,
     warms_gain=1e-3,
     warms_held=1e-3,
@@ -63,6 +64,7 @@ ANY = Shares(
     late_s=1e-4,
     stuck=0.02,
     wider=0.05,
+    one_sided=0.01,
     held=0.02,
     warms_gain=0.01,
     warms_held=0.01,
@@ -92,6 +94,9 @@ class Wander:
         day at a smaller phase than on another.
     wider
         Of the width of the dead zone, as a share.
+    one_sided
+        Of how much more it widens on one side than on the other, as a share: nobody knows its ends
+        well enough to say how far a share of each moves them.
     held_back_rad_s
         Of the speed that friction takes near standstill, at each operating point: the edges of the
         dead zone move with it.
@@ -111,6 +116,7 @@ class Wander:
     late_s: float
     stuck_rad_s: float
     wider: float
+    one_sided: float
     held_back_rad_s: tuple[float, ...]
     warms_gain: float
     warms_held_back_rad_s: float
@@ -128,7 +134,7 @@ class Wander:
     def deviations(self) -> Array:
         """In the order of the columns of `departures`, the resonance's among them, shape (W,)."""
         shares = (self.gain, *self.gain_tilt)
-        dead_zone = (self.wider, _ONE_SIDED)
+        dead_zone = (self.wider, self.one_sided)
         rest = (self.late_s, _RESONANCE, self.stuck_rad_s, *dead_zone, *self.held_back_rad_s)
         warms = (self.warms_gain, self.warms_held_back_rad_s, self.warms_wider, self.warms_shift)
         return np.array([*shares, *rest, *np.repeat(warms, self.n_constants), self.habit_share])
@@ -148,6 +154,7 @@ class Wander:
             "late_s": self.late_s,
             "stuck_rad_s": self.stuck_rad_s,
             "wider": self.wider,
+            "one_sided": self.one_sided,
             "held_back_rad_s": list(self.held_back_rad_s),
             "warms_gain": self.warms_gain,
             "warms_held_back_rad_s": self.warms_held_back_rad_s,
@@ -172,6 +179,7 @@ def wander_from_mapping(content: Mapping[str, Any]) -> Wander:
         float(content["late_s"]),
         float(content["stuck_rad_s"]),
         float(content["wider"]),
+        float(content.get("one_sided", LEAST.one_sided)),
         tuple(float(held) for held in content["held_back_rad_s"]),
         float(content["warms_gain"]),
         float(content["warms_held_back_rad_s"]),
@@ -199,6 +207,7 @@ def wander_of_shares(shares: Shares, features: Features) -> Wander:
         shares.late_s,
         shares.stuck * top_rad_s,
         shares.wider,
+        shares.one_sided,
         (shares.held * top_rad_s,) * features.n_points,
         shares.warms_gain,
         shares.warms_held * top_rad_s,
@@ -241,7 +250,7 @@ def wander_of_deviations(deviations: Array, like: Wander) -> Wander:
     first = np.unique(like.kinds, return_index=True)[1]
     ends = 1 + len(like.gain_tilt)
     gain, *gain_tilt = (float(d) for d in deviations[first[:ends]])
-    late_s, _, stuck_rad_s, wider, _, *held_back = (float(d) for d in deviations[first[ends:-5]])
+    late_s, _, stuck_rad_s, wider, one_sided, *held_back = (float(d) for d in deviations[first[ends:-5]])
     warms_gain, warms_held, warms_wider, warms_shift, habit_share = (
         float(d) for d in deviations[first[-5:]]
     )
@@ -251,6 +260,7 @@ def wander_of_deviations(deviations: Array, like: Wander) -> Wander:
         late_s,
         stuck_rad_s,
         wider,
+        one_sided,
         tuple(held_back),
         warms_gain,
         warms_held,

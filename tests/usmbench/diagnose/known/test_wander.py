@@ -126,15 +126,51 @@ def test_to_warm_for_longer_than_was_watched_is_no_drift() -> None:
     assert any("how the motor warms" in words for words in found.warnings)
 
 
+@pytest.mark.parametrize("wanders", [True, False])
+def test_an_offset_that_wanders_from_day_to_day_is_no_news(wanders: bool) -> None:
+    offset_deg = wanders * 0.06 * np.array([-1.2, 0.4, 1.1, -0.3, 0.9, -0.9])
+    days = [_starting(k, 1.0, 1.0, offset_deg=o) for k, o in enumerate(offset_deg, start=10)]
+    model = with_knowledge(identify_fast(days, FastOptions()).model, days)
+    found = diagnose([_starting(1, 1.0, 1.0, offset_deg=0.07)], model)
+    assert [cause.name for cause in found.causes] == ([] if wanders else ["phase_offset"])
+
+
+def test_a_dead_zone_that_wanders_is_no_friction_where_the_rotor_is_let_go() -> None:
+    """In the window of a jump to 0° it still turns, as fast as on the side that it left."""
+    off = 0.01 * np.array([-1.2, 0.4, 1.1, -0.3, 0.9, -0.9])
+    levels_deg = tuple(np.linspace(-88.0, 88.0, 9))
+    days = [
+        _starting(k, 1.0, 1.0 + w, levels_deg=levels_deg if k % 2 else ())
+        for k, w in enumerate(off, start=10)
+    ]
+    model = with_knowledge(identify_fast(days, FastOptions()).model, days)
+    wander = wander_from_mapping(model.residual["diagnosis"])
+    assert 0.7 < wander.wider / np.std(off, ddof=1) < 1.5
+    assert max(wander.held_back_rad_s) < 0.01
+    for seed, wider in ((1, 1.02), (2, 0.98)):
+        record = _starting(seed, 1.0, wider, levels_deg=levels_deg)
+        assert diagnose([record], model).verdict == "no_discrepancy"
+
+
 def _starting(
-    seed: int, rises: float, wider: float, *, warms: float = 0.0, lasts_s: float = 30.0
+    seed: int,
+    rises: float,
+    wider: float,
+    *,
+    warms: float = 0.0,
+    lasts_s: float = 30.0,
+    offset_deg: float = 0.0,
+    levels_deg: tuple[float, ...] = (),
 ) -> Record:
     """Return a run of a motor that starts at 9 degrees one way and at 13 the other."""
     rng = np.random.default_rng(seed)
-    phase_deg = np.repeat(rng.uniform(-88.0, 88.0, round(10.0 * lasts_s)), 10)
+    n_stays = round(10.0 * lasts_s)
+    stays_deg = rng.choice(levels_deg, n_stays) if levels_deg else rng.uniform(-88.0, 88.0, n_stays)
+    phase_deg = np.repeat(stays_deg, 10)
     t_s = WINDOW_S * np.arange(1.0, phase_deg.size + 1.0)
-    way = np.sign(phase_deg)
-    beyond_deg = np.maximum(np.abs(phase_deg) - wider * np.where(way > 0.0, 9.0, 13.0), 0.0)
+    moved_deg = phase_deg + offset_deg
+    way = np.sign(moved_deg)
+    beyond_deg = np.maximum(np.abs(moved_deg) - wider * np.where(way > 0.0, 9.0, 13.0), 0.0)
     settled = 10.0 * way * np.tanh((beyond_deg / 25.0) ** rises)
     settled *= 1.0 + warms * np.expm1(-t_s / 300.0)
     speed = free_run(LINEAR, settled) + NOISE_RAD_S * rng.standard_normal(phase_deg.size)
@@ -142,5 +178,10 @@ def _starting(
 
 
 def test_the_wander_comes_back_from_the_model_file() -> None:
-    some = Wander(0.01, (1e-3, 2e-3), 1e-4, 0.02, 0.05, (0.1, 0.2), 1e-3, 0.01, 1e-3, 1e-5, 0.1, 3)
-    assert wander_from_mapping(some.to_mapping()) == some
+    some = Wander(
+        0.01, (1e-3, 2e-3), 1e-4, 0.02, 0.05, 1e-3, (0.1, 0.2), 1e-3, 0.01, 1e-3, 1e-5, 0.1, 3
+    )
+    kept = some.to_mapping()
+    assert wander_from_mapping(kept) == some
+    del kept["one_sided"]  # older files have none
+    assert wander_from_mapping(kept) == replace(some, one_sided=3e-4)
