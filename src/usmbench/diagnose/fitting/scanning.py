@@ -1,6 +1,7 @@
 """Fit one effect to the whitened residual: a scan of what shapes it, its sizes to first order."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.shape_ratings import as_is
@@ -30,6 +31,29 @@ def fit_effect(problem: Problem, effect: Effect, given: Sequence[Applied] = ()) 
     else:
         (values, drop), roughness = search.exactly({}, sized), 0.0
     return Fit((*given, Applied(effect, values)), drop, roughness)
+
+
+def charged_closely(problem: Problem, fit: Fit, given: Sequence[Applied] = ()) -> Fit:
+    """Return a fit that is charged for all shapes between those of the grid, too.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    fit
+        What `fit_effect` found, or came of it. Of one whose shape is its size, that is jagged, or
+        that more than two parameters shape, the charge stays as it is.
+    given
+        Effects that act already, as they were given to `fit_effect`.
+    """
+    effect = fit.effects[-1].effect
+    scanned = [p for p in effect.parameters if p.scanned]
+    sized = [p for p in effect.parameters if not p.scanned]
+    if len(scanned) not in (1, 2) or not sized or effect.jagged:
+        return fit
+    search = ShapeSearch(problem, effect, tuple(given))
+    roughness = search.roughness(scanned, sized, fit.statistic)
+    return replace(fit, roughness=max(fit.roughness, roughness))
 
 
 def sharpen(

@@ -1,5 +1,6 @@
 """The search for the shape of one effect: a grid of what shapes it, finer where it is best."""
 
+import math
 from collections.abc import Mapping, Sequence
 from itertools import product
 
@@ -14,6 +15,7 @@ Array = NDArray[np.float64]
 
 _ZOOM_ROUNDS, _JAGGED_ROUNDS = 2, 5
 _ZOOM_POINTS = 7
+_PATH_DENSER = 4  # than the grid, for how long a way all shapes are
 _NEAR, _DENSER = 1.25, 10  # how far from the best value a jagged effect is tried so much denser
 
 
@@ -80,6 +82,52 @@ class ShapeSearch(WeighedShapes):
         grids = self._effect.grid([s.context for s in self._problem.stretches])
         return [np.clip(grids[p.name], p.low, p.high) for p in scanned]
 
+    def roughness(
+        self, scanned: Sequence[Parameter], sized: Sequence[Parameter], statistic: float
+    ) -> float:
+        """Return what all shapes that a search may end at come to, in rad.
+
+        Of one parameter that is the way that the change turns by along it, also between two shapes
+        of the grid, where one that rings may turn many times. Of two, half the way round, and what
+        the area between comes to at a statistic: the Euler characteristic of a Gaussian field
+        (Adler and Taylor 2007, doi:10.1007/978-0-387-48116-6, theorem 11.7.2).
+
+        Parameters
+        ----------
+        scanned
+            One or two parameters that shape it.
+        sized
+            Those that size it.
+        statistic
+            Drop of the deviance that is asked about.
+        """
+        along, *across = scanned
+        axes = self.axes(scanned)
+        ways = [(along, _denser(axes[0], _PATH_DENSER))]
+        if not across:
+            return float(np.sum(self._turned(ways, sized)))
+        ends = np.unique(np.r_[across[0].low, axes[1], across[0].high])
+        ways.append((across[0], ends))
+        rows, columns = self._turned(ways, sized), self._turned(ways[::-1], sized).T
+        # Cell by cell, each side by the mean of the two that lie opposite.
+        beside, above = rows[1:] + rows[:-1], columns[:, 1:] + columns[:, :-1]
+        area = float(np.sum(0.25 * beside * above))
+        around = float(np.sum(rows[[0, -1]]) + np.sum(columns[:, [0, -1]]))
+        return 0.5 * around + area * math.sqrt(max(statistic, 0.0) / (2.0 * math.pi))
+
+    def _turned(self, ways: Sequence[tuple[Parameter, Array]], sized: Sequence[Parameter]) -> Array:
+        """Return the angles between shapes along the first of some axes, one row a point of others.
+
+        Shape (rows, values − 1), in rad.
+        """
+        (first, values), *others = ways
+        rows = []
+        for point in product(*(axis for _, axis in others)):
+            held = {p.name: float(x) for (p, _), x in zip(others, point, strict=True)}
+            shapes = [{**held, first.name: float(x)} for x in values]
+            rows.append([tried.turned for tried in self.best(shapes, sized)][1:])
+        return np.array(rows)
+
     def closely(self, best: Rated, scanned: Sequence[Parameter]) -> Rated:
         """Try a jagged effect densely near its best values; return the best, and the drop there.
 
@@ -97,9 +145,7 @@ class ShapeSearch(WeighedShapes):
             near = axis[(axis > value / _NEAR) & (axis < value * _NEAR)]
             if near.size < 2:
                 continue
-            parts = np.linspace(0.0, near.size - 1.0, _DENSER * (near.size - 1) + 1)
-            dense = np.interp(parts, np.arange(near.size), near)
-            shapes = [{**best[0], p.name: float(x)} for x in dense]
+            shapes = [{**best[0], p.name: float(x)} for x in _denser(near, _DENSER)]
             rated = [(t.values, matched(t.drop, t.square)) for t in self.best(shapes, ())]
             caught = self._caught(max(rated, key=lambda r: r[1]), scanned)
             best = max(best, caught, key=lambda r: r[1])
@@ -143,3 +189,9 @@ class ShapeSearch(WeighedShapes):
                 if worth > best[1]:
                     best = (tried.values, worth)
         return best
+
+
+def _denser(axis: Array, times: int) -> Array:
+    """Return the values of an axis and evenly more between each two."""
+    parts = np.linspace(0.0, axis.size - 1.0, times * (axis.size - 1) + 1)
+    return np.interp(parts, np.arange(axis.size), axis)

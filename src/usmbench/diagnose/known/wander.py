@@ -250,7 +250,9 @@ def wander_of_deviations(deviations: Array, like: Wander) -> Wander:
     first = np.unique(like.kinds, return_index=True)[1]
     ends = 1 + len(like.gain_tilt)
     gain, *gain_tilt = (float(d) for d in deviations[first[:ends]])
-    late_s, _, stuck_rad_s, wider, one_sided, *held_back = (float(d) for d in deviations[first[ends:-5]])
+    late_s, _, stuck_rad_s, wider, one_sided, *held_back = (
+        float(d) for d in deviations[first[ends:-5]]
+    )
     warms_gain, warms_held, warms_wider, warms_shift, habit_share = (
         float(d) for d in deviations[first[-5:]]
     )

@@ -7,7 +7,7 @@ from functools import cache
 
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.refining import refine
-from usmbench.diagnose.fitting.scanning import fit_effect, sharpen
+from usmbench.diagnose.fitting.scanning import charged_closely, fit_effect, sharpen
 from usmbench.diagnose.naming.chance import scatters
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.base import Effect
@@ -112,6 +112,10 @@ def rank(
         elif _passes_for_it(effect, statistic, brings):
             misfit = statistic
         p_value = chance(_alone(fit, statistic - misfit))
+        if NO_CHANCE < p_value < CLEAR:
+            # Only here, where it may decide: it takes as long as all of the scan.
+            fit = charged_closely(problem, fit, held)
+            p_value = chance(_alone(fit, statistic - misfit))
         score = statistic - misfit - _price(_alone(fit, statistic), price)
         found.append(Ranked(effect, fit, statistic, p_value, score, misfit))
     return sorted(found, key=lambda r: -r.score)

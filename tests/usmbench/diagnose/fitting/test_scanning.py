@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.fitting.fit import Fit
-from usmbench.diagnose.fitting.scanning import fit_effect, sharpen
+from usmbench.diagnose.fitting.scanning import charged_closely, fit_effect, sharpen
 from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.pipeline import diagnose
@@ -57,12 +57,16 @@ def test_a_step_between_two_of_the_grid_is_found_among_random_phases(seed: int) 
 
 def _showing(hidden: Applied) -> Problem:
     """Return the problem of a run without noise that shows an effect."""
+    return _driven(np.repeat(np.random.default_rng(3).uniform(-88.0, 88.0, 120), 5), hidden)
+
+
+def _driven(phase_deg: Array, *hidden: Applied) -> Problem:
+    """Return the problem of a run without noise, driven by some phases."""
     point = OperatingPoint(None, None, CURVE, (-90.0, 90.0), (-15.0, 15.0), NOISE_RAD_S)
     model = HammersteinModel(first_order(0.0035, 0.0, WINDOW_S), (point,), "fast")
-    phase_deg = np.repeat(np.random.default_rng(3).uniform(-88.0, 88.0, 120), 5)
     t_s = WINDOW_S * np.arange(1.0, phase_deg.size + 1.0)
     context = Context(t_s, WINDOW_S, phase_deg, CURVE.speed_rad_s, model.linear)
-    speed_rad_s = extended_run([hidden], context).speed_rad_s
+    speed_rad_s = extended_run(hidden, context).speed_rad_s
     record = Record("run", t_s, phase_deg, speed_rad_s, np.full(t_s.size, WINDOW_S))
     stretches, _ = cut_runs([record], model, ())
     noise = estimate_noise(stretches, [0.02 * np.sin(t_s)], [s.use for s in stretches])
@@ -168,3 +172,40 @@ def test_half_of_the_level_is_twice_the_roughness_and_what_the_tail_is_worth(
     effects = (Applied(find_effect("transport_delay", ""), {"delay_s": 1e-3}),)
     whole = Fit(effects, statistic, roughness).p_value
     assert min(2.0 * whole, 1.0) <= Fit(effects, statistic, 2.0 * roughness + 1.0).p_value
+
+
+def _multisine_deg(n: int, n_tones: int) -> Array:
+    """Return a multisine of two periods, shape (n,)."""
+    turned = 4.0 * np.pi / n * np.outer(np.arange(n), np.arange(1, n_tones))
+    waves = np.cos(turned + np.random.default_rng(5).uniform(0.0, 2.0 * np.pi, n_tones - 1))
+    total = np.sum(waves, axis=1)
+    return np.asarray(88.0 * total / np.max(np.abs(total)))
+
+
+def test_chance_looks_like_a_load_that_rings_as_seldom_as_it_is_charged_for() -> None:
+    """Between two periods of the grid lie many that a multisine tells apart."""
+    problem = _driven(_multisine_deg(1500, 94))
+    effect = find_effect("shaft_compliance", "swinging load")
+    found = fit_effect(problem, effect)
+    values = found.effects[-1].values
+    shapes = [
+        {**values, "load_share": 1e-3, "period_s": float(period_s), "damping": float(damping)}
+        for period_s in WINDOW_S * np.geomspace(2.0, 30.0, 120)
+        for damping in np.geomspace(0.01, 0.8, 8)
+    ]
+    ways = np.array([problem.carried(problem.change_rad_s([Applied(effect, s)])) for s in shapes])
+    ways /= np.maximum(np.linalg.norm(ways, axis=1), 1e-12)[:, None]
+    by_chance = np.random.default_rng(6).standard_normal((ways.shape[1], 4000))
+    highest = np.max(ways @ by_chance, axis=0) ** 2
+    asked = float(np.quantile(highest, 0.99))
+    charged = charged_closely(problem, Fit(found.effects, asked, found.roughness))
+    assert 0.005 < charged.p_value < 0.03
+    assert Fit(found.effects, asked, found.roughness).p_value < 0.005
+
+
+@pytest.mark.parametrize("name", ["stick_slip", "thermal_drift"])
+def test_what_a_grid_already_tries_closely_is_charged_as_it_is(name: str) -> None:
+    effect = next(e for e in library() if e.name == name)
+    problem = _driven(_multisine_deg(1500, 94))
+    found = fit_effect(problem, effect)
+    assert charged_closely(problem, found).roughness == pytest.approx(found.roughness, rel=0.02)
