@@ -8,6 +8,7 @@ from usmbench.diagnose.fitting.shape_ratings import as_is
 from usmbench.diagnose.fitting.shape_search import ShapeSearch
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.base import Effect
+from usmbench.model.effects.parameter import Parameter
 from usmbench.model.extended import Applied
 
 
@@ -24,8 +25,7 @@ def fit_effect(problem: Problem, effect: Effect, given: Sequence[Applied] = ()) 
         Effects that act already; the statistic counts from them.
     """
     search = ShapeSearch(problem, effect, tuple(given))
-    scanned = [p for p in effect.parameters if p.scanned]
-    sized = [p for p in effect.parameters if not p.scanned]
+    scanned, sized = _apart(effect)
     if scanned:
         values, drop, roughness = search.scan(scanned, sized)
     else:
@@ -47,8 +47,7 @@ def charged_closely(problem: Problem, fit: Fit, given: Sequence[Applied] = ()) -
         Effects that act already, as they were given to `fit_effect`.
     """
     effect = fit.effects[-1].effect
-    scanned = [p for p in effect.parameters if p.scanned]
-    sized = [p for p in effect.parameters if not p.scanned]
+    scanned, sized = _apart(effect)
     if len(scanned) not in (1, 2) or not sized or effect.jagged:
         return fit
     search = ShapeSearch(problem, effect, tuple(given))
@@ -73,8 +72,7 @@ def sharpen(
         Whether a jagged effect is tried densely first, which takes time.
     """
     last = fit.effects[-1]
-    scanned = [p for p in last.effect.parameters if p.scanned]
-    sized = [p for p in last.effect.parameters if not p.scanned]
+    scanned, sized = _apart(last.effect)
     search = ShapeSearch(problem, last.effect, tuple(given))
     axes = search.axes(scanned)
     best = (dict(last.values), fit.statistic)
@@ -83,3 +81,9 @@ def sharpen(
     for p, axis in zip(scanned, axes, strict=True):
         best = search.zoomed(best, p, axis, sized, as_is)
     return Fit((*given, Applied(last.effect, best[0])), best[1], fit.roughness)
+
+
+def _apart(effect: Effect) -> tuple[list[Parameter], list[Parameter]]:
+    """Return the parameters that shape an effect, and those that size it."""
+    scanned = [p for p in effect.parameters if p.scanned]
+    return scanned, [p for p in effect.parameters if not p.scanned]

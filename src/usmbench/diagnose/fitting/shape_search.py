@@ -90,7 +90,8 @@ class ShapeSearch(WeighedShapes):
         Of one parameter that is the way that the change turns by along it, also between two shapes
         of the grid, where one that rings may turn many times. Of two, half the way round, and what
         the area between comes to at a statistic: the Euler characteristic of a Gaussian field
-        (Adler and Taylor 2007, doi:10.1007/978-0-387-48116-6, theorem 11.7.2).
+        (Adler and Taylor 2007, doi:10.1007/978-0-387-48116-6, section 11.7). The two are taken to
+        turn it at right angles; where they do not, that is too much.
 
         Parameters
         ----------
@@ -101,32 +102,26 @@ class ShapeSearch(WeighedShapes):
         statistic
             Drop of the deviance that is asked about.
         """
-        along, *across = scanned
-        axes = self.axes(scanned)
-        ways = [(along, _denser(axes[0], _PATH_DENSER))]
-        if not across:
-            return float(np.sum(self._turned(ways, sized)))
-        ends = np.unique(np.r_[across[0].low, axes[1], across[0].high])
-        ways.append((across[0], ends))
-        rows, columns = self._turned(ways, sized), self._turned(ways[::-1], sized).T
+        along, *others = scanned
+        axis, *axes = self.axes(scanned)
+        values = _denser(axis, _PATH_DENSER)
+        held: list[dict[str, float]] = [{}]
+        for p, grid in zip(others, axes, strict=True):
+            held = [{p.name: float(x)} for x in np.unique(np.r_[p.low, grid, p.high])]
+        shapes = [[{**row, along.name: float(x)} for x in values] for row in held]
+        rows = self._turned(shapes, sized)
+        columns = self._turned(list(zip(*shapes, strict=True)), sized).T
         # Cell by cell, each side by the mean of the two that lie opposite.
         beside, above = rows[1:] + rows[:-1], columns[:, 1:] + columns[:, :-1]
         area = float(np.sum(0.25 * beside * above))
         around = float(np.sum(rows[[0, -1]]) + np.sum(columns[:, [0, -1]]))
         return 0.5 * around + area * math.sqrt(max(statistic, 0.0) / (2.0 * math.pi))
 
-    def _turned(self, ways: Sequence[tuple[Parameter, Array]], sized: Sequence[Parameter]) -> Array:
-        """Return the angles between shapes along the first of some axes, one row a point of others.
-
-        Shape (rows, values − 1), in rad.
-        """
-        (first, values), *others = ways
-        rows = []
-        for point in product(*(axis for _, axis in others)):
-            held = {p.name: float(x) for (p, _), x in zip(others, point, strict=True)}
-            shapes = [{**held, first.name: float(x)} for x in values]
-            rows.append([tried.turned for tried in self.best(shapes, sized)][1:])
-        return np.array(rows)
+    def _turned(
+        self, shapes: Sequence[Sequence[dict[str, float]]], sized: Sequence[Parameter]
+    ) -> Array:
+        """Return the angle from each shape of a row to the next, in rad, shape (R, V − 1)."""
+        return np.array([[t.turned for t in self.best(row, sized)][1:] for row in shapes])
 
     def closely(self, best: Rated, scanned: Sequence[Parameter]) -> Rated:
         """Try a jagged effect densely near its best values; return the best, and the drop there.

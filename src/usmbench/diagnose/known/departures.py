@@ -53,8 +53,7 @@ def departures(stretch: Stretch, habits: Sequence[Applied], n_constants: int) ->
     fast = 2.0 * np.minimum(np.abs(share), 1.0) - 1.0
     places = np.column_stack((fast, *stretch.places))
     tilted = shown(stretch, stretch.settled_rad_s[:, None] * places)
-    one_sided = widening_by_share(stretch, np.sign(stretch.context.phase_deg))
-    sides = (wider, one_sided)
+    sides = (wider, widening_by_share(stretch, np.sign(stretch.context.phase_deg)))
     apart = (later_rad_s_per_s(stretch), detuned, shown(stretch, stuck), *sides, held)
     warms = _warming(stretch, changes, slice(0, n_constants))
     return np.column_stack((gain, tilted, *apart, *warms, _stronger(stretch, habits)))

@@ -197,10 +197,10 @@ class Features:
             The stretch.
         """
         yield from self._times_warmth(stretch, stretch.simulated_rad_s)
-        held, (steady, *_, vibration) = shown(stretch, held_back(stretch)), self._warmth(stretch)
-        yield from self._times_warmth(stretch, held)
+        held, (steady, *_, vibration) = held_back(stretch), self._warmth(stretch)
+        yield from self._times_warmth(stretch, shown(stretch, held))
         for there in stretch.places:
-            yield from shown(stretch, there * held_back(stretch)) * steady
+            yield from shown(stretch, there * held) * steady
         if self.steepest_rad_s is not None:
             # A shift that is there from the start is none of the phases': its sign differs
             # between the sides of the resonance.
@@ -209,9 +209,7 @@ class Features:
             yield from self._times_warmth(stretch, moved)
             # The vibration heats, not the speed: it hangs on the frequency alone.
             yield from moved * (vibration / self.top_rad_s**2 - steady)
-        wider = widening_by_share(stretch)
-        yield from wider * steady
-        for there in stretch.places:
+        for there in (np.ones(stretch.context.n), *stretch.places):
             yield from widening_by_share(stretch, there) * steady
 
     def _warmth(self, stretch: Stretch) -> Array:

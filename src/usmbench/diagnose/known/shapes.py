@@ -120,15 +120,15 @@ def _limited(stretch: Stretch, limit_rad_s: float, change: Array) -> Array:
     return (moved - free_run(linear, settled_rad_s, start_rad_s)) / step
 
 
-def widening(stretch: Stretch, each: Array | float = 1.0) -> Array:
-    """Return the change of speed for each degree by which the dead zone widens on both sides.
+def widening(stretch: Stretch, wider_deg: Array | float = 1.0) -> Array:
+    """Return the change of speed where the dead zone widens on both sides, in rad/s, shape (N,).
 
     Parameters
     ----------
     stretch
         The stretch.
-    each
-        By how many degrees at each row instead, shape (N,), or (N, K) for K ways at once.
+    wider_deg
+        By how much on the side that each row's phase is on, shape (N,), or on both.
     """
     context = stretch.context
     phase_deg, way = context.phase_deg, np.sign(context.phase_deg)
@@ -137,22 +137,22 @@ def widening(stretch: Stretch, each: Array | float = 1.0) -> Array:
     inward, outward = (
         context.settled_rad_s(phase_deg + side * reach_deg * way) for side in (-1.0, 1.0)
     )
-    slope = (inward - outward) / (2.0 * reach_deg)
+    slope_rad_s_per_deg = (inward - outward) / (2.0 * reach_deg)
     # Before the lag: in the window after a jump the rotor still turns as on the side it left.
-    return shown(stretch, (slope * np.transpose(each)).T)
+    return shown(stretch, slope_rad_s_per_deg * wider_deg)
 
 
-def widening_by_share(stretch: Stretch, each: Array | float = 1.0) -> Array:
-    """Return the change of speed where the dead zone widens, each side by its own width.
+def widening_by_share(stretch: Stretch, share: Array | float = 1.0) -> Array:
+    """Return the change of speed where each side of the dead zone widens by a share, shape (N,).
 
     Parameters
     ----------
     stretch
         The stretch.
-    each
-        By which share at each row, shape (N,), or (N, K) for K ways at once.
+    share
+        Of the width of the side that each row's phase is on, shape (N,), or of both.
     """
-    return widening(stretch, (dead_zone_deg(stretch) * np.transpose(each)).T)
+    return widening(stretch, dead_zone_deg(stretch) * share)
 
 
 def speed_share(stretch: Stretch) -> Array:

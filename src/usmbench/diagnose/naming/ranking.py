@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 from usmbench.diagnose.fitting.fit import Fit
@@ -111,12 +111,14 @@ def rank(
             misfit = max(_MISFIT, telling_deviance(statistic))
         elif _passes_for_it(effect, statistic, brings):
             misfit = statistic
-        p_value = chance(_alone(fit, statistic - misfit))
-        if NO_CHANCE < p_value < CLEAR:
-            # Only here, where it may decide: it takes as long as all of the scan.
-            fit = charged_closely(problem, fit, held)
-            p_value = chance(_alone(fit, statistic - misfit))
         score = statistic - misfit - _price(_alone(fit, statistic), price)
+        alone = _alone(fit, statistic - misfit)
+        p_value = chance(alone)
+        if NO_CHANCE < p_value < CLEAR:
+            # Only where it may decide, since it takes many more shapes than the scan. Not of the
+            # score, which must not fall where a statistic that rises comes into this range.
+            alone = charged_closely(problem, alone, held)
+            fit, p_value = replace(fit, roughness=alone.roughness), chance(alone)
         found.append(Ranked(effect, fit, statistic, p_value, score, misfit))
     return sorted(found, key=lambda r: -r.score)
 
