@@ -18,6 +18,8 @@ from usmbench.diagnose.noise.noise_model import (
     STARTS,
     Noise,
     farther_out,
+    runs_out,
+    stands_below_rad_s,
     step_kind,
 )
 from usmbench.diagnose.noise.spikes import whole_count_rad_s
@@ -30,6 +32,7 @@ _HIGHEST_ORDER = 6
 _AT_REST = 1e-3  # of the highest speed: of a rotor that creeps, single counts are seen
 _TRIMMED = 1.2  # what is left out above 97 % of a normal variable, and a little for heavier tails
 _FEWEST_STARTS, _FEWEST_PAIRS, _FEWEST_QUIET = 20, 100, 50  # rows
+_RUNS_OUT = 0.1  # of the speed up to which a rotor counts as standing; nothing measured sets it
 _QUARTERS = 4  # of the phases: the fewest that tell near and far from the dead zone on both sides
 _QUIET_SHARE, _NO_STEP_RAD_S = 0.2, 1e-9  # of the rows of a rotor that turns
 _CALM, _FEWEST_CALM = 0.9, 500  # of the level; rows
@@ -65,14 +68,15 @@ def estimate_noise(
     error = np.concatenate(list(residuals))
     quiet = _quiet(stretches, use, lag, np.abs(step))
     centres, sigma = levels(phase_deg[quiet], error[quiet], _dead_zone_deg(stretches))
-    calm, least = np.interp(phase_deg, centres, sigma), 2.0 * float(np.median(sigma))
     sizes, spreads = np.ones((LAGS, KINDS, _SIZES)), np.zeros((LAGS, KINDS, _SIZES))
-    for k, c in np.ndindex(LAGS, KINDS):
-        rows = use & (lag == k) & (kind == c) & (np.abs(step) > least)
-        sizes[k, c], spreads[k, c] = _by_size(np.abs(step[rows]), error[rows], calm[rows])
     flat = Noise(
         centres, sigma, np.empty(0), 1.0, sizes, spreads, np.zeros(len(STARTS)), np.zeros(LAGS)
     )
+    calm = np.concatenate([flat.calm_rad_s(s) for s in stretches])
+    least = 2.0 * float(np.median(sigma))
+    for k, c in np.ndindex(LAGS, KINDS):
+        rows = use & (lag == k) & (kind == c) & (np.abs(step) > least)
+        sizes[k, c], spreads[k, c] = _by_size(np.abs(step[rows]), error[rows], calm[rows])
     flat = replace(flat, start_rad_s=_at_edge(stretches, residuals, masks, flat))
     flat = replace(flat, same_again=_returning(stretches, residuals, masks, flat))
     ar, innovation = _colour(stretches, residuals, masks, flat, fitted)
@@ -83,9 +87,11 @@ def _quiet(stretches: Sequence[Stretch], use: Mask, lag: NDArray[np.int64], size
     """Rows that show the noise alone, of a rotor that turns, too: far from steps, or after little.
 
     Where a phase glides, the few rows at its crest, those of a rotor at rest, and those of a
-    warm-up at one phase say too little.
+    warm-up at one phase say too little. A rotor that runs out in the dead zone has not the noise of
+    one that stands there.
     """
     settled = np.concatenate([np.abs(s.settled_rad_s) for s in stretches])
+    use = use & ~np.concatenate([runs_out(s) > _RUNS_OUT for s in stretches])
     turns = use & (settled > STANDING * float(np.max(settled, initial=0.0)))
     n_turns = max(int(np.count_nonzero(turns)), 1)
     far = use & ((lag >= LAGS) | (size < _NO_STEP_RAD_S))
@@ -185,14 +191,18 @@ def _colour(
     flat: Noise,
     fitted: Sequence[Array] | None,
 ) -> tuple[Array, float]:
-    """Autoregression of the standardised residual, on calm rows: jitter has no colour."""
+    """Autoregression of the standardised residual, on rows that tell its colour and its size.
+
+    Jitter has no colour, and a rotor that stands may have no noise, which would make that of one
+    that turns seem less.
+    """
     levels = [flat.level_rad_s(stretch) for stretch in stretches]
-    calm = [
-        mask & (flat.calm_rad_s(s) > _CALM * level)
-        for s, level, mask in zip(stretches, levels, masks, strict=True)
-    ]
-    if sum(int(np.count_nonzero(c)) for c in calm) >= _FEWEST_CALM:
-        masks = calm
+    calm = [flat.calm_rad_s(s) > _CALM * level for s, level in zip(stretches, levels, strict=True)]
+    turning = [np.abs(s.settled_rad_s) > stands_below_rad_s(s) for s in stretches]
+    for telling in (turning, calm):
+        fewer = [mask & rows for mask, rows in zip(masks, telling, strict=True)]
+        if sum(int(np.count_nonzero(rows)) for rows in fewer) >= _FEWEST_CALM:
+            masks = fewer
     moments = np.zeros(_HIGHEST_ORDER + 1)
     counts = np.zeros(_HIGHEST_ORDER + 1)
     for level, residual, mask in zip(levels, residuals, masks, strict=True):

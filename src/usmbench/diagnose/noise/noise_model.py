@@ -100,13 +100,18 @@ class Noise:
     def calm_rad_s(self, stretch: Stretch) -> Array:
         """Return the standard deviation on each row far from steps and edges, σ(φ).
 
+        A rotor that runs out in the dead zone has the noise it had where it was last driven.
+
         Parameters
         ----------
         stretch
             The stretch.
         """
         sigma = np.interp(stretch.context.phase_deg, self.phase_deg, self.sigma_rad_s)
-        return np.asarray(sigma, dtype=np.float64)
+        settled = np.abs(stretch.settled_rad_s)
+        driven = np.where(settled > stands_below_rad_s(stretch), np.arange(sigma.size), 0)
+        running = sigma[np.maximum.accumulate(driven)]
+        return np.maximum(sigma, runs_out(stretch) * running)
 
     def to_mapping(self) -> dict[str, Any]:
         """Return what the model file keeps."""
@@ -195,6 +200,30 @@ def farther_out(stretch: Stretch) -> Array:
     return share
 
 
+def stands_below_rad_s(stretch: Stretch) -> float:
+    """Return the settled speed that a stretch has to exceed to count as turning.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    return STANDING * float(np.max(np.abs(stretch.settled_rad_s), initial=0.0))
+
+
+def runs_out(stretch: Stretch) -> Array:
+    """Return how much a rotor that is to stand turns still, from 0 to 1, shape (N,).
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    settled, least_rad_s = np.abs(stretch.settled_rad_s), stands_below_rad_s(stretch)
+    left = (np.abs(stretch.simulated_rad_s) - settled) / max(least_rad_s, 1e-12)
+    return np.where(settled > least_rad_s, 0.0, np.clip(left, 0.0, 1.0))
+
+
 def step_kind(stretch: Stretch) -> NDArray[np.int64]:
     """Return the kind of each row's last step: 0 runs on, 1 into a stop, 2 out of it, 3 through it.
 
@@ -205,6 +234,6 @@ def step_kind(stretch: Stretch) -> NDArray[np.int64]:
     """
     after = stretch.settled_rad_s
     before = after - stretch.step_rad_s
-    least = STANDING * float(np.max(np.abs(after), initial=0.0))
+    least = stands_below_rad_s(stretch)
     stopped, stood = np.abs(after) <= least, np.abs(before) <= least
     return np.select([stopped, stood, before * after < 0.0], [1, 2, 3], 0)
