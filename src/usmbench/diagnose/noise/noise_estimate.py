@@ -24,6 +24,7 @@ from usmbench.diagnose.noise.noise_model import (
 )
 from usmbench.diagnose.noise.spikes import whole_count_rad_s
 from usmbench.identify.noise import autoregression
+from usmbench.identify.robust_fit import OVER_MEDIAN
 
 Array = NDArray[np.float64]
 
@@ -32,7 +33,9 @@ _HIGHEST_ORDER = 6
 _AT_REST = 1e-3  # of the highest speed: of a rotor that creeps, single counts are seen
 _TRIMMED = 1.2  # what is left out above 97 % of a normal variable, and a little for heavier tails
 _FEWEST_STARTS, _FEWEST_PAIRS, _FEWEST_QUIET = 20, 100, 50  # rows
-_RUNS_OUT = 0.1  # of the speed up to which a rotor counts as standing; nothing measured sets it
+# Of the speed up to which a rotor counts as standing: less is not worth while, more tells the noise
+# of one that runs out. Nothing measured sets either.
+_RUNS_OUT, _MOSTLY = 0.1, 0.5
 _QUARTERS = 4  # of the phases: the fewest that tell near and far from the dead zone on both sides
 _QUIET_SHARE, _NO_STEP_RAD_S = 0.2, 1e-9  # of the rows of a rotor that turns
 _CALM, _FEWEST_CALM = 0.9, 500  # of the level; rows
@@ -61,35 +64,30 @@ def estimate_noise(
         (N, K) a stretch; None where the residuals are those of other runs than the fit.
     """
     phase_deg = np.concatenate([s.context.phase_deg for s in stretches])
-    lag = np.concatenate([s.lag for s in stretches])
-    kind = np.concatenate([step_kind(s) for s in stretches])
-    step = np.concatenate([s.step_rad_s for s in stretches])
-    use = np.concatenate(list(masks))
-    error = np.concatenate(list(residuals))
-    quiet = _quiet(stretches, use, lag, np.abs(step))
+    error, quiet = np.concatenate(list(residuals)), _quiet(stretches, np.concatenate(list(masks)))
     centres, sigma = levels(phase_deg[quiet], error[quiet], _dead_zone_deg(stretches))
-    sizes, spreads = np.ones((LAGS, KINDS, _SIZES)), np.zeros((LAGS, KINDS, _SIZES))
+    none = np.zeros((LAGS, KINDS, _SIZES))
     flat = Noise(
-        centres, sigma, np.empty(0), 1.0, sizes, spreads, np.zeros(len(STARTS)), np.zeros(LAGS)
+        centres, sigma, np.empty(0), 1.0, none, none, np.zeros(len(STARTS)), np.zeros(LAGS)
     )
-    calm = np.concatenate([flat.calm_rad_s(s) for s in stretches])
-    least = 2.0 * float(np.median(sigma))
-    for k, c in np.ndindex(LAGS, KINDS):
-        rows = use & (lag == k) & (kind == c) & (np.abs(step) > least)
-        sizes[k, c], spreads[k, c] = _by_size(np.abs(step[rows]), error[rows], calm[rows])
+    flat = replace(flat, running_out=_running_out(stretches, residuals, masks, flat))
+    sizes, spreads = _after_steps(stretches, residuals, masks, flat)
+    flat = replace(flat, step_rad_s=sizes, step_spread_rad_s=spreads)
     flat = replace(flat, start_rad_s=_at_edge(stretches, residuals, masks, flat))
     flat = replace(flat, same_again=_returning(stretches, residuals, masks, flat))
     ar, innovation = _colour(stretches, residuals, masks, flat, fitted)
     return replace(flat, ar=ar, innovation=innovation)
 
 
-def _quiet(stretches: Sequence[Stretch], use: Mask, lag: NDArray[np.int64], size: Array) -> Mask:
+def _quiet(stretches: Sequence[Stretch], use: Mask) -> Mask:
     """Rows that show the noise alone, of a rotor that turns, too: far from steps, or after little.
 
     Where a phase glides, the few rows at its crest, those of a rotor at rest, and those of a
     warm-up at one phase say too little. A rotor that runs out in the dead zone has not the noise of
     one that stands there.
     """
+    lag = np.concatenate([s.lag for s in stretches])
+    size = np.concatenate([np.abs(s.step_rad_s) for s in stretches])
     settled = np.concatenate([np.abs(s.settled_rad_s) for s in stretches])
     use = use & ~np.concatenate([runs_out(s) > _RUNS_OUT for s in stretches])
     turns = use & (settled > STANDING * float(np.max(settled, initial=0.0)))
@@ -121,6 +119,42 @@ def _dead_zone_deg(stretches: Sequence[Stretch]) -> tuple[float, float]:
         float(np.min(size_deg[way * phase_deg > 0.0], initial=180.0)) for way in (-1.0, 1.0)
     )
     return -low, high
+
+
+def _running_out(
+    stretches: Sequence[Stretch], residuals: Sequence[Array], masks: Sequence[Mask], flat: Noise
+) -> float:
+    """Share of a turning rotor's noise in one that runs out, past the window of the stop itself."""
+    shares = []
+    for s, error, mask in zip(stretches, residuals, masks, strict=True):
+        still = (s.lag > 0) | (np.abs(s.step_rad_s) < stands_below_rad_s(s))
+        rows = mask & still & (runs_out(s) > _MOSTLY)
+        shares.append(np.abs(error[rows]) / flat.last_driven_rad_s(s)[rows])
+    share = np.concatenate(shares)
+    return min(OVER_MEDIAN * float(np.median(share)), 1.0) if share.size >= _FEWEST_STARTS else 0.0
+
+
+def _after_steps(
+    stretches: Sequence[Stretch], residuals: Sequence[Array], masks: Sequence[Mask], flat: Noise
+) -> tuple[Array, Array]:
+    """Sizes of steps, and the residual's spread by these at each lag after each kind of step."""
+    lag, size, kind, use, error, calm = (
+        np.concatenate(columns)
+        for columns in (
+            [s.lag for s in stretches],
+            [np.abs(s.step_rad_s) for s in stretches],
+            [step_kind(s) for s in stretches],
+            masks,
+            residuals,
+            [flat.calm_rad_s(s) for s in stretches],
+        )
+    )
+    sizes, spreads = np.ones((LAGS, KINDS, _SIZES)), np.zeros((LAGS, KINDS, _SIZES))
+    use &= size > 2.0 * float(np.median(flat.sigma_rad_s))
+    for k, c in np.ndindex(LAGS, KINDS):
+        rows = use & (lag == k) & (kind == c)
+        sizes[k, c], spreads[k, c] = _by_size(size[rows], error[rows], calm[rows])
+    return sizes, spreads
 
 
 def _by_size(size_rad_s: Array, error: Array, calm: Array) -> tuple[Array, Array]:

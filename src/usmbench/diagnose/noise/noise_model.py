@@ -56,6 +56,8 @@ class Noise:
         rise from a 400th to a 20th of the highest.
     same_again
         Correlation of what the same jump leaves another time, at each lag, shape (LAGS,).
+    running_out
+        Share of the noise of a rotor that turns, in one that runs out in the dead zone.
     """
 
     phase_deg: Array
@@ -66,6 +68,7 @@ class Noise:
     step_spread_rad_s: Array
     start_rad_s: Array
     same_again: Array
+    running_out: float = 0.0
 
     def level_rad_s(self, stretch: Stretch) -> Array:
         """Return the standard deviation on each row of a stretch.
@@ -100,7 +103,7 @@ class Noise:
     def calm_rad_s(self, stretch: Stretch) -> Array:
         """Return the standard deviation on each row far from steps and edges, σ(φ).
 
-        A rotor that runs out in the dead zone has the noise it had where it was last driven.
+        A rotor that runs out in the dead zone has a share of what it had where it was last driven.
 
         Parameters
         ----------
@@ -108,10 +111,20 @@ class Noise:
             The stretch.
         """
         sigma = np.interp(stretch.context.phase_deg, self.phase_deg, self.sigma_rad_s)
-        settled = np.abs(stretch.settled_rad_s)
-        driven = np.where(settled > stands_below_rad_s(stretch), np.arange(sigma.size), 0)
-        running = sigma[np.maximum.accumulate(driven)]
-        return np.maximum(sigma, runs_out(stretch) * running)
+        return np.maximum(sigma, self.running_out * self.last_driven_rad_s(stretch))
+
+    def last_driven_rad_s(self, stretch: Stretch) -> Array:
+        """Return the noise where a rotor that runs out was last driven, 0 on other rows, (N,).
+
+        Parameters
+        ----------
+        stretch
+            The stretch.
+        """
+        sigma = np.interp(stretch.context.phase_deg, self.phase_deg, self.sigma_rad_s)
+        driven = np.abs(stretch.settled_rad_s) > stands_below_rad_s(stretch)
+        last = np.maximum.accumulate(np.where(driven, np.arange(sigma.size), 0))
+        return np.asarray(runs_out(stretch) * sigma[last], dtype=np.float64)
 
     def to_mapping(self) -> dict[str, Any]:
         """Return what the model file keeps."""
@@ -124,6 +137,7 @@ class Noise:
             "step_spread_rad_s": self.step_spread_rad_s.tolist(),
             "start_rad_s": self.start_rad_s.tolist(),
             "same_again": self.same_again.tolist(),
+            "running_out": self.running_out,
         }
 
 
@@ -140,9 +154,12 @@ def noise_from_mapping(content: dict[str, Any]) -> Noise:
     ValueError
         What is there is of another shape, or no noise.
     """
-    names = [field.name for field in fields(Noise) if field.name != "innovation"]
-    arrays = {name: _table(name, content[name]) for name in names}
-    noise = Noise(innovation=float(content["innovation"]), **arrays)
+    numbers = ("innovation", "running_out")
+    arrays = {
+        f.name: _table(f.name, content[f.name]) for f in fields(Noise) if f.name not in numbers
+    }
+    running_out = float(content.get("running_out", 0.0))
+    noise = Noise(innovation=float(content["innovation"]), running_out=running_out, **arrays)
     sizes = noise.step_rad_s.shape
     shapes = {
         "sigma_rad_s": (max(noise.phase_deg.size, 1),),
