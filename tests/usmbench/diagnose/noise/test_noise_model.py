@@ -100,9 +100,13 @@ def test_a_larger_step_than_any_seen_adds_more_in_proportion(stretch: Stretch) -
 
 def test_a_noise_comes_back_from_a_model_file(stretch: Stretch) -> None:
     residual = NOISE_RAD_S * np.random.default_rng(4).standard_normal(N)
-    noise = estimate_noise([stretch], [residual], [stretch.use])
+    found = estimate_noise([stretch], [residual], [stretch.use])
+    noise = replace(found, running_out=0.5)
     again = noise_from_mapping(noise.to_mapping())
+    assert again.running_out == 0.5
     assert np.array_equal(again.level_rad_s(stretch), noise.level_rad_s(stretch))
+    older = {key: kept for key, kept in noise.to_mapping().items() if key != "running_out"}
+    assert noise_from_mapping(older).running_out == 0.0
 
 
 def test_a_habit_that_takes_speed_is_no_bend_of_the_curve(stretch: Stretch) -> None:
