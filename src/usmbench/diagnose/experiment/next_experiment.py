@@ -167,8 +167,8 @@ class _Design:
         problem = Problem(stretches, self._known, rough, uses, self._own)
         left = problem.left_rad_s(effects)
         noise = self._noise_of(left)
-        white = problem.weighed(noise, uses).carried(left)
-        return noise, robust_spread(white[: problem.n_rows])
+        problem = problem.weighed(noise, uses)
+        return noise, robust_spread(problem, problem.carried(left))
 
     def _noise_of(self, residuals: Sequence[NDArray[np.float64]]) -> Noise:
         """Return the noise that the model knows, or that residuals show."""

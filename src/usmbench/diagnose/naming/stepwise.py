@@ -226,4 +226,4 @@ def noise_spread(problem: Problem, basis: Basis, effects: Sequence[Applied]) -> 
         Effects that are taken out first.
     """
     left = problem.left(effects)
-    return robust_spread(basis.rest(left)[: problem.n_rows])
+    return robust_spread(problem, basis.rest(left))

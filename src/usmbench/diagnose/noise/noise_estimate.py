@@ -14,13 +14,13 @@ from usmbench.diagnose.noise.levels import levels
 from usmbench.diagnose.noise.noise_model import (
     KINDS,
     LAGS,
-    STANDING,
     STARTS,
     Noise,
     farther_out,
     runs_out,
     stands_below_rad_s,
     step_kind,
+    turns,
 )
 from usmbench.diagnose.noise.spikes import whole_count_rad_s
 from usmbench.identify.noise import autoregression
@@ -88,25 +88,24 @@ def _quiet(stretches: Sequence[Stretch], use: Mask) -> Mask:
     """
     lag = np.concatenate([s.lag for s in stretches])
     size = np.concatenate([np.abs(s.step_rad_s) for s in stretches])
-    settled = np.concatenate([np.abs(s.settled_rad_s) for s in stretches])
     use = use & ~np.concatenate([runs_out(s) > _RUNS_OUT for s in stretches])
-    turns = use & (settled > STANDING * float(np.max(settled, initial=0.0)))
-    n_turns = max(int(np.count_nonzero(turns)), 1)
+    turning = use & np.concatenate([turns(s) for s in stretches])
+    n_turning = max(int(np.count_nonzero(turning)), 1)
     far = use & ((lag >= LAGS) | (size < _NO_STEP_RAD_S))
-    if _at_all_phases(stretches, far & turns, turns):
+    if _at_all_phases(stretches, far & turning, turning):
         return far
     near = use & (lag >= min(2, int(lag[use].max(initial=0))))
-    if np.count_nonzero(near & turns) >= max(_FEWEST_QUIET, _QUIET_SHARE * n_turns):
+    if np.count_nonzero(near & turning) >= max(_FEWEST_QUIET, _QUIET_SHARE * n_turning):
         return near
-    share = min(max(_QUIET_SHARE, _FEWEST_QUIET / n_turns), 1.0)
-    small = turns & (size <= np.quantile(size[turns], share)) if turns.any() else use
+    share = min(max(_QUIET_SHARE, _FEWEST_QUIET / n_turning), 1.0)
+    small = turning & (size <= np.quantile(size[turning], share)) if turning.any() else use
     return np.asarray(far | near | small)
 
 
-def _at_all_phases(stretches: Sequence[Stretch], rows: Mask, turns: Mask) -> bool:
+def _at_all_phases(stretches: Sequence[Stretch], rows: Mask, turning: Mask) -> bool:
     """Whether there are rows enough in each quarter of those of a rotor that turns, by phase."""
     phase_deg = np.concatenate([s.context.phase_deg for s in stretches])
-    quarters = np.array_split(np.flatnonzero(turns)[np.argsort(phase_deg[turns])], _QUARTERS)
+    quarters = np.array_split(np.flatnonzero(turning)[np.argsort(phase_deg[turning])], _QUARTERS)
     fewest = min(int(np.count_nonzero(rows[quarter])) for quarter in quarters)
     return _QUARTERS * fewest >= _FEWEST_QUIET
 
@@ -232,7 +231,7 @@ def _colour(
     """
     levels = [flat.level_rad_s(stretch) for stretch in stretches]
     calm = [flat.calm_rad_s(s) > _CALM * level for s, level in zip(stretches, levels, strict=True)]
-    turning = [np.abs(s.settled_rad_s) > stands_below_rad_s(s) for s in stretches]
+    turning = [turns(s) for s in stretches]
     for telling in (turning, calm):
         fewer = [mask & rows for mask, rows in zip(masks, telling, strict=True)]
         if sum(int(np.count_nonzero(rows)) for rows in fewer) >= _FEWEST_CALM:

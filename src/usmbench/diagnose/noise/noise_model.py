@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.diagnose.cutting.stretches import Mask, Stretch
 from usmbench.model.linear import poles
 
 Array = NDArray[np.float64]
@@ -122,8 +122,7 @@ class Noise:
             The stretch.
         """
         sigma = np.interp(stretch.context.phase_deg, self.phase_deg, self.sigma_rad_s)
-        driven = np.abs(stretch.settled_rad_s) > stands_below_rad_s(stretch)
-        last = np.maximum.accumulate(np.where(driven, np.arange(sigma.size), 0))
+        last = np.maximum.accumulate(np.where(turns(stretch), np.arange(sigma.size), 0))
         return np.asarray(runs_out(stretch) * sigma[last], dtype=np.float64)
 
     def to_mapping(self) -> dict[str, Any]:
@@ -228,6 +227,18 @@ def stands_below_rad_s(stretch: Stretch) -> float:
     return STANDING * float(np.max(np.abs(stretch.settled_rad_s), initial=0.0))
 
 
+def turns(stretch: Stretch) -> Mask:
+    """Return the rows at whose phases the rotor turns, shape (N,).
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    turning: Mask = np.abs(stretch.settled_rad_s) > stands_below_rad_s(stretch)
+    return turning
+
+
 def runs_out(stretch: Stretch) -> Array:
     """Return how much a rotor that is to stand turns still, from 0 to 1, shape (N,).
 
@@ -236,9 +247,9 @@ def runs_out(stretch: Stretch) -> Array:
     stretch
         The stretch.
     """
-    settled, least_rad_s = np.abs(stretch.settled_rad_s), stands_below_rad_s(stretch)
-    left = (np.abs(stretch.simulated_rad_s) - settled) / max(least_rad_s, 1e-12)
-    return np.where(settled > least_rad_s, 0.0, np.clip(left, 0.0, 1.0))
+    left_rad_s = np.abs(stretch.simulated_rad_s) - np.abs(stretch.settled_rad_s)
+    share = np.clip(left_rad_s / max(stands_below_rad_s(stretch), 1e-12), 0.0, 1.0)
+    return np.where(turns(stretch), 0.0, share)
 
 
 def step_kind(stretch: Stretch) -> NDArray[np.int64]:
