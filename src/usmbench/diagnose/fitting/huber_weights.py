@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.noise.noise_model import turns
+from usmbench.diagnose.noise.rotor_states import turns
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.identify.robust_fit import OVER_MEDIAN
 

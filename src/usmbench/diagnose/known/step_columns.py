@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Stretch
-from usmbench.diagnose.noise.noise_model import KINDS, step_kind
+from usmbench.diagnose.noise.rotor_states import KINDS, step_kind
 from usmbench.model.polygon import hats
 
 Array = NDArray[np.float64]

@@ -17,23 +17,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.cutting.stretches import Mask, Stretch
+from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.diagnose.noise.rotor_states import (
+    KINDS,
+    REVERSAL,
+    bend_rad_s,
+    farther_out,
+    runs_out,
+    step_kind,
+    turns,
+)
 from usmbench.model.linear import poles
 
 Array = NDArray[np.float64]
 
-LAGS, KINDS = 6, 4
-_REVERSAL = 3  # of the kinds
-# A smooth curve rounds the corner of the dead zone off (docs/decisions/0006): where it turns within
-# a degree either way, this share of the turn counts as noise. Neither number is measured.
-_CORNER_DEG, _DISTRUST = 1.0, 0.3
-STANDING = 0.02  # of the highest speed: less counts as a stop; nothing measured sets it
+LAGS = 6
 # From small steps nobody knows when a large one takes effect: a share of the step, 50 µs of 10 ms,
 # beyond so many times the largest quarter's mean, in these windows after it.
 _UNSEEN, FARTHER, _AT_ONCE = 5e-3, 1.5, (0, 1)
-# How near an edge a phase lies is told by the speed so much farther out, on a rising grid:
-# there a rotor comes free on one day only. The grid only resolves; nothing measured sets it.
-_BEYOND_DEG = 0.5
+# How near an edge a phase lies, where a rotor comes free on one day only, is told on a rising grid.
+# It only resolves; nothing measured sets it.
 STARTS = (0.0025, 0.01, 0.0225, 0.045)  # of the highest speed, reached half a degree farther out
 
 
@@ -84,7 +87,7 @@ class Noise:
             rows = (stretch.lag == k) & (kind == c)
             sizes, spreads = self.step_rad_s[k, c], self.step_spread_rad_s[k, c]
             # A rotor that turns back stands still in between, from and to whatever speed.
-            least = spreads[0] if c == _REVERSAL else 0.0
+            least = spreads[0] if c == REVERSAL else 0.0
             nodes, values = np.r_[0.0, sizes], np.r_[least, spreads]
             beyond = np.maximum(size[rows] / max(nodes[-1], 1e-300), 1.0)
             spread[rows] = np.interp(size[rows], nodes, values) * beyond
@@ -184,84 +187,3 @@ def _table(name: str, rows: Any) -> Array:
         return np.array(rows, dtype=np.float64)
     except ValueError:
         raise ValueError(f"noise.{name} has rows of different lengths") from None
-
-
-def bend_rad_s(stretch: Stretch) -> Array:
-    """Return how little the curve can be trusted where it bends sharply: where the motor starts.
-
-    Parameters
-    ----------
-    stretch
-        The stretch.
-    """
-    curve, phase_deg = stretch.context.settled_rad_s, stretch.context.phase_deg
-    around = curve(phase_deg - _CORNER_DEG) + curve(phase_deg + _CORNER_DEG)
-    # Of the curve alone: a habit that takes speed is no bend.
-    bend: Array = _DISTRUST * np.abs(around - 2.0 * curve(phase_deg))
-    return bend
-
-
-def farther_out(stretch: Stretch) -> Array:
-    """Return the speed half a degree farther from 0, as a share of the stretch's highest, (N,).
-
-    Parameters
-    ----------
-    stretch
-        The stretch.
-    """
-    context = stretch.context
-    beyond_deg = context.phase_deg + np.copysign(_BEYOND_DEG, context.phase_deg)
-    top_rad_s = float(np.max(np.abs(stretch.settled_rad_s), initial=0.0))
-    share: Array = np.abs(context.settled_rad_s(beyond_deg)) / max(top_rad_s, 1e-12)
-    return share
-
-
-def stands_below_rad_s(stretch: Stretch) -> float:
-    """Return the settled speed that a stretch has to exceed to count as turning.
-
-    Parameters
-    ----------
-    stretch
-        The stretch.
-    """
-    return STANDING * float(np.max(np.abs(stretch.settled_rad_s), initial=0.0))
-
-
-def turns(stretch: Stretch) -> Mask:
-    """Return the rows at whose phases the rotor turns, shape (N,).
-
-    Parameters
-    ----------
-    stretch
-        The stretch.
-    """
-    turning: Mask = np.abs(stretch.settled_rad_s) > stands_below_rad_s(stretch)
-    return turning
-
-
-def runs_out(stretch: Stretch) -> Array:
-    """Return how much a rotor that is to stand turns still, from 0 to 1, shape (N,).
-
-    Parameters
-    ----------
-    stretch
-        The stretch.
-    """
-    left_rad_s = np.abs(stretch.simulated_rad_s) - np.abs(stretch.settled_rad_s)
-    share = np.clip(left_rad_s / max(stands_below_rad_s(stretch), 1e-12), 0.0, 1.0)
-    return np.where(turns(stretch), 0.0, share)
-
-
-def step_kind(stretch: Stretch) -> NDArray[np.int64]:
-    """Return the kind of each row's last step: 0 runs on, 1 into a stop, 2 out of it, 3 through it.
-
-    Parameters
-    ----------
-    stretch
-        The stretch.
-    """
-    after = stretch.settled_rad_s
-    before = after - stretch.step_rad_s
-    least = stands_below_rad_s(stretch)
-    stopped, stood = np.abs(after) <= least, np.abs(before) <= least
-    return np.select([stopped, stood, before * after < 0.0], [1, 2, 3], 0)

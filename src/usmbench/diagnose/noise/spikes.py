@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
 
 from usmbench.diagnose.cutting.stretches import Mask, Stretch
-from usmbench.diagnose.noise.noise_model import LAGS, Noise, step_kind
+from usmbench.diagnose.noise.noise_model import LAGS, Noise
+from usmbench.diagnose.noise.rotor_states import step_kind
 
 Array = NDArray[np.float64]
 

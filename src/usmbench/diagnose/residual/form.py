@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.noise.chance_scatter import chance_scatter_rad_s
-from usmbench.diagnose.noise.noise_model import KINDS, step_kind
+from usmbench.diagnose.noise.rotor_states import KINDS, step_kind
 from usmbench.model.effects.base import PHYSICS
 from usmbench.model.extended import Applied, extended_run
 from usmbench.model.polygon import hats

@@ -7,7 +7,7 @@ from known_motor import driven, identified
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.fitting.huber_weights import huber_weights, robust_spread
 from usmbench.diagnose.known.model_knowledge import knowledge_of
-from usmbench.diagnose.noise.noise_model import turns
+from usmbench.diagnose.noise.rotor_states import turns
 from usmbench.diagnose.residual.problem import Problem
 
 

@@ -1,4 +1,4 @@
-"""What the edge of the dead zone adds to the noise, and what returns with the same jump."""
+"""The noise of a rotor that turns, stands or runs out, and what steps and edges add to it."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
-from usmbench.diagnose.noise.noise_model import LAGS, farther_out, runs_out, stands_below_rad_s
+from usmbench.diagnose.noise.noise_model import LAGS
+from usmbench.diagnose.noise.rotor_states import farther_out, runs_out, turns
 from usmbench.diagnose.noise.whitening import whitening
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
@@ -113,8 +114,8 @@ def test_a_warm_up_at_one_phase_does_not_tell_the_noise_of_all() -> None:
     stands = np.abs(stretch.context.phase_deg) < 8.0
     left = np.where(stands, 0.1, 1.0) * NOISE_RAD_S * rng.standard_normal(stretch.context.n)
     noise = estimate_noise([stretch], [left], [stretch.use])
-    turns = (np.abs(stretch.context.phase_deg) > 15.0) & (stretch.lag > 0)
-    assert noise.calm_rad_s(stretch)[turns] == pytest.approx(NOISE_RAD_S, rel=0.25)
+    rows = (np.abs(stretch.context.phase_deg) > 15.0) & (stretch.lag > 0)
+    assert noise.calm_rad_s(stretch)[rows] == pytest.approx(NOISE_RAD_S, rel=0.25)
 
 
 @pytest.mark.parametrize("stands", [0.3, 0.7])
@@ -124,11 +125,10 @@ def test_a_rotor_that_stands_without_noise_does_not_make_that_of_one_that_turns_
     rng = np.random.default_rng(10)
     levels_deg = np.where(rng.random(1000) < stands, 0.0, rng.uniform(20.0, 85.0, 1000))
     stretch = _stretch(np.sort(levels_deg))
-    turns = stretch.settled_rad_s > 0.0
-    left = np.where(turns, NOISE_RAD_S, 0.0) * rng.standard_normal(stretch.context.n)
+    left = NOISE_RAD_S * turns(stretch) * rng.standard_normal(stretch.context.n)
     noise = estimate_noise([stretch], [left], [stretch.use])
-    white = whitening(noise, stretch) @ left
-    assert np.std(white[turns]) == pytest.approx(1.0, rel=0.05)
+    white = np.asarray(whitening(noise, stretch) @ left)
+    assert np.std(white[turns(stretch)]) == pytest.approx(1.0, rel=0.05)
 
 
 @pytest.mark.parametrize("share", [0.5, 1.0])
@@ -137,12 +137,11 @@ def test_a_rotor_that_runs_out_in_the_dead_zone_keeps_its_noise(share: float) ->
     rng = np.random.default_rng(11)
     levels_deg = np.where(np.arange(6000) % 6, rng.uniform(-4.0, 4.0, 6000), 60.0)
     stretch = _stretch(levels_deg, 1)
-    driven = np.abs(stretch.settled_rad_s) > stands_below_rad_s(stretch)
-    turned = np.where(driven, 1.0, share * runs_out(stretch))
+    turned = np.where(turns(stretch), 1.0, share * runs_out(stretch))
     left = NOISE_RAD_S * turned * rng.standard_normal(stretch.context.n)
     noise = estimate_noise([stretch], [left], [stretch.use])
     assert noise.running_out == pytest.approx(share, rel=0.15)
     rows = (np.abs(stretch.step_rad_s) < 0.1) & (runs_out(stretch) > 0.5)
     assert np.count_nonzero(rows) > 500
-    white = (whitening(noise, stretch) @ left)[rows]
+    white = np.asarray(whitening(noise, stretch) @ left)[rows]
     assert np.std(white) == pytest.approx(1.0, rel=0.15)

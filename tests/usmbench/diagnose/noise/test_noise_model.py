@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
-from usmbench.diagnose.noise.noise_model import bend_rad_s, noise_from_mapping, step_kind
+from usmbench.diagnose.noise.noise_model import noise_from_mapping
+from usmbench.diagnose.noise.rotor_states import step_kind
 from usmbench.model.effects.first_order import first_order
-from usmbench.model.effects.registry import find_effect
 from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
 from usmbench.runs.record import Record
@@ -38,11 +38,6 @@ def _stretch(phase_deg: Array, *own: Applied) -> Stretch:
 def stretch() -> Stretch:
     rng = np.random.default_rng(1)
     return _stretch(np.repeat(rng.uniform(-89.0, 89.0, N // 10), 10))
-
-
-def test_a_step_runs_on_or_into_a_stop_or_out_of_one_or_through_it() -> None:
-    stretch = _stretch(np.repeat([30.0, 60.0, 0.0, -60.0, 60.0, 0.0], 20))
-    assert step_kind(stretch)[::20].tolist() == [0, 0, 1, 2, 3, 1]
 
 
 @pytest.mark.parametrize("kind", range(4))
@@ -107,10 +102,3 @@ def test_a_noise_comes_back_from_a_model_file(stretch: Stretch) -> None:
     assert np.array_equal(again.level_rad_s(stretch), noise.level_rad_s(stretch))
     older = {key: kept for key, kept in noise.to_mapping().items() if key != "running_out"}
     assert noise_from_mapping(older).running_out == 0.0
-
-
-def test_a_habit_that_takes_speed_is_no_bend_of_the_curve(stretch: Stretch) -> None:
-    sticking = Applied(find_effect("stick_slip", ""), {"lost_rad_s": 0.5, "fades_rad_s": 2.0})
-    stuck = _stretch(stretch.context.phase_deg, sticking)
-    assert np.max(np.abs(stuck.settled_rad_s - stretch.settled_rad_s)) > 0.1
-    np.testing.assert_array_equal(bend_rad_s(stuck), bend_rad_s(stretch))

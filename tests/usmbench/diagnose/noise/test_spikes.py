@@ -6,7 +6,8 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.stretches import Stretch
-from usmbench.diagnose.noise.noise_model import KINDS, LAGS, Noise
+from usmbench.diagnose.noise.noise_model import LAGS, Noise
+from usmbench.diagnose.noise.rotor_states import KINDS
 from usmbench.diagnose.noise.spikes import are_exceptions, off_steps, spiked, steady
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
