@@ -12,7 +12,8 @@ from usmbench.model.effects.context import Context, highest_settled_rad_s
 from usmbench.model.effects.parameter import Parameter
 
 _STANDING = 0.01  # share of the highest settled speed of the stretch below which the rotor stands
-_MANY_PHASES = 100
+_MANY_STARTS, _APART = 100, 1.1  # of more, those whose widths are that much larger than the last
+_TURN_DEG = 360.0  # more than any phase
 _HALVINGS, _DIGITS = 14, 2  # enough for a hundredth of a degree
 
 
@@ -34,20 +35,23 @@ class LaterStart(Effect):
     )
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
-        """Return a width for every set of starts that it may put off; a few where these are many.
+        """Return a width for every set of starts that it may put off; fewer where these are many.
 
         Parameters
         ----------
         contexts
             All stretches.
         """
-        # In a staircase of wide steps all starts may be right between two widths near each other.
-        few = np.unique(np.concatenate([c.phase_deg for c in contexts])).size <= _MANY_PHASES
-        ends = np.unique(np.concatenate([_into_run_deg(c) if few else [] for c in contexts]))
+        # Where few starts tell, all may be right between two widths near each other.
+        ends = np.unique(np.concatenate([_at_starts_deg(c) for c in contexts]))
         ends = ends[ends > 0.0]
         if not ends.size:
             return {"start_later_deg": np.geomspace(0.02, 40.0, 30)}
-        return {"start_later_deg": 0.5 * (ends + np.r_[0.0, ends[:-1]])}
+        widths_deg = 0.5 * (ends + np.r_[0.0, ends[:-1]])
+        if ends.size > _MANY_STARTS:
+            steps = np.floor(np.log(widths_deg) / np.log(_APART))
+            widths_deg = widths_deg[np.unique(steps, return_index=True)[1]]
+        return {"start_later_deg": widths_deg}
 
 
 @dataclass(frozen=True)
@@ -104,13 +108,14 @@ def beyond(
     return runs
 
 
-def _into_run_deg(context: Context) -> Array:
-    """By how many degrees the phases at which the rotor runs lie beyond the dead zone, shape (K,).
+def _at_starts_deg(context: Context) -> Array:
+    """By how many degrees phases at which a later rotor may start lie beyond the dead zone, (K,).
 
-    The edge is found by halving: the curve may be of any kind, and dip below 0 before a jump.
+    Those are farther out than all since the rotor last stood. The edge is found by halving: the
+    curve may be of any kind, and dip below 0 before a jump.
     """
+    settled_rad_s, least_rad_s = context.settled_rad_s(context.phase_deg), standing_rad_s(context)
     size, way = np.abs(context.phase_deg), np.sign(context.phase_deg)
-    least_rad_s, settled_rad_s = standing_rad_s(context), context.settled_rad_s(context.phase_deg)
     forward = way * np.copysign(1.0, np.sum(context.phase_deg * settled_rad_s))
     runs = forward * settled_rad_s > least_rad_s
     inside, outside = np.zeros(context.n), size
@@ -118,8 +123,19 @@ def _into_run_deg(context: Context) -> Array:
         middle = 0.5 * (inside + outside)
         fast = forward * context.settled_rad_s(way * middle) > least_rad_s
         inside, outside = np.where(fast, inside, middle), np.where(fast, middle, outside)
-    found: Array = (size - outside)[runs].round(_DIGITS)
+    starts = runs & _farthest(context.phase_deg, ~runs)
+    found: Array = (size - outside)[starts].round(_DIGITS)
     return found
+
+
+def _farthest(phase_deg: Array, stands: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Rows at which a phase is farther out than on all since the rotor stood, or turned round."""
+    way = np.sign(phase_deg)
+    since = np.cumsum(stands | (way != np.r_[way[:1], way[:-1]]))
+    reached = np.abs(phase_deg) + _TURN_DEG * since
+    before = np.r_[-1.0, np.maximum.accumulate(reached)[:-1]]
+    farthest: NDArray[np.bool_] = reached > before
+    return farthest
 
 
 def standing_rad_s(context: Context, share: float = _STANDING) -> float:

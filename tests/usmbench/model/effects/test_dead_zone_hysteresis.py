@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -99,18 +100,31 @@ def test_a_start_that_is_later_and_a_stop_that_is_not_have_one_name(seed: int) -
     assert size.value == pytest.approx(width_deg, rel=0.1)
 
 
-def test_where_the_phases_are_many_or_nothing_runs_a_few_widths_are_tried() -> None:
-    many = Context(
-        WINDOW_S * np.arange(1.0, 501.0),
-        WINDOW_S,
-        np.linspace(-90, 90, 500),
-        CURVE.speed_rad_s,
-        LINEAR,
-    )
-    for context in (many, context_of([0.0])):
-        (tried,) = Sticking().grid([context]).values()
-        assert tried.size == 30
-        assert np.all(np.diff(tried) > 0.0)
+def test_where_nothing_runs_a_few_widths_are_tried() -> None:
+    (tried,) = Sticking().grid([context_of([0.0])]).values()
+    assert tried.size == 30
+    assert np.all(np.diff(tried) > 0.0)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_of_many_starts_those_that_differ_by_a_fifth_are_told_apart(seed: int) -> None:
+    """A multisine may stay at one phase just beyond the edge, and pass quickly at all others."""
+    rng = np.random.default_rng([seed, 31])
+    turned = 2.0 * np.pi * np.outer(np.arange(1500) / 1500, np.arange(1, 60))
+    waves = np.sum(np.cos(turned + rng.uniform(0.0, 2.0 * np.pi, 59)), axis=1)
+    phase_deg = np.round(88.0 * waves / np.max(np.abs(waves)), 1)
+    t_s = WINDOW_S * np.arange(1.0, phase_deg.size + 1.0)
+    context = Context(t_s, WINDOW_S, phase_deg, CURVE.speed_rad_s, LINEAR)
+    (tried,) = Sticking().grid([context]).values()
+    assert tried.size < 100
+    ends = _ends(context)
+    stood, seen = 0.0, 0
+    for before, end in pairwise(ends):
+        stood = before if before > 0.0 and before > stood else stood if before > 0.0 else 0.0
+        if stood > 0.5 and 1.21 * stood < end:
+            seen += 1
+            assert np.any((tried > stood - 0.01) & (tried < end + 0.01))
+    assert seen > 20
 
 
 def test_a_curve_that_dips_below_zero_before_a_jump_starts_at_the_jump() -> None:
