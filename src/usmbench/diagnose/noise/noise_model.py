@@ -8,7 +8,7 @@ know, and grows with the step; and that at which a stopping rotor sticks or a st
 free, which hardly does. At the edge of the dead zone a rotor comes free at once or not at all:
 there κ has a part of its own, by the speed that half a degree more would give. A share of κ returns
 whenever a plan repeats a jump: it is the model's error, and no chance, and R repeats tell of it
-once.
+once. While a rotor runs out in the dead zone, σ is at least a share of that where it was driven.
 """
 
 from dataclasses import dataclass, fields
@@ -113,8 +113,8 @@ class Noise:
         stretch
             The stretch.
         """
-        sigma = np.interp(stretch.context.phase_deg, self.phase_deg, self.sigma_rad_s)
-        return np.maximum(sigma, self.running_out * self.last_driven_rad_s(stretch))
+        running_out = self.running_out * self.last_driven_rad_s(stretch)
+        return np.maximum(self._at_phases_rad_s(stretch), running_out)
 
     def last_driven_rad_s(self, stretch: Stretch) -> Array:
         """Return the noise where a rotor that runs out was last driven, 0 on other rows, (N,).
@@ -124,9 +124,14 @@ class Noise:
         stretch
             The stretch.
         """
+        rows = np.arange(stretch.context.n)
+        last = np.maximum.accumulate(np.where(turns(stretch), rows, 0))
+        return np.asarray(runs_out(stretch) * self._at_phases_rad_s(stretch)[last])
+
+    def _at_phases_rad_s(self, stretch: Stretch) -> Array:
+        """Return σ(φ) at the phase that each row is set to, shape (N,)."""
         sigma = np.interp(stretch.context.phase_deg, self.phase_deg, self.sigma_rad_s)
-        last = np.maximum.accumulate(np.where(turns(stretch), np.arange(sigma.size), 0))
-        return np.asarray(runs_out(stretch) * sigma[last], dtype=np.float64)
+        return np.asarray(sigma, dtype=np.float64)
 
     def to_mapping(self) -> dict[str, Any]:
         """Return what the model file keeps."""
