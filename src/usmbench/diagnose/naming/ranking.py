@@ -5,23 +5,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
-from usmbench.diagnose.fitting.fit import Fit
-from usmbench.diagnose.fitting.refining import refine
-from usmbench.diagnose.fitting.scanning import charged_closely, fit_effect, sharpen
+from usmbench.diagnose.fitting.fit import NOTHING, Fit
+from usmbench.diagnose.fitting.scanning import charged_closely, fit_effect
 from usmbench.diagnose.naming.chance import scatters
+from usmbench.diagnose.naming.library_fits import fit_library
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.base import Effect
-from usmbench.model.extended import Applied
 
 # The usual levels of a test.
 SIGNIFICANT = 0.01  # of what is weighed further, and of single windows
 CLEAR = 0.05  # family-wise, for a name
-# How many with a scan are refined, the best to first order, since it takes time. Nothing measured
-# sets it or the next.
-_REFINED = 8
-# Of what the best brings to first order, and times the size that this comes to: what is tried of
-# the others. Nothing measured sets them, either.
-_MAY_WIN, _TIMES = 0.05, (3.0, 10.0)
 _SAME = 0.5  # deviance: two that differ by less change the simulation alike
 TELLING = 9.2  # deviance between two causes that data can tell: 99 % of chi-squared with two
 # What else the model misses decides between causes this near, and not the cause: a share of little
@@ -64,7 +57,7 @@ class Ranked:
 
 
 def rank(
-    problem: Problem, effects: Sequence[Effect], spread: float, given: Fit | None = None
+    problem: Problem, effects: Sequence[Effect], spread: float, given: Fit = NOTHING
 ) -> list[Ranked]:
     """Weigh every effect, the best first.
 
@@ -77,25 +70,15 @@ def rank(
     spread
         Standard deviation of the whitened noise, at least 1.
     given
-        Effects already named; None for none.
+        Effects already named.
     """
-    held = () if given is None else given.effects
-    gained = 0.0 if given is None else given.statistic
+    held = given.effects
 
     def chance(alone: Fit) -> float:
         return min(1.0, alone.p_value * len(effects))
 
-    fits = sorted((fit_effect(problem, e, held) for e in effects), key=lambda f: -f.statistic)
-    least = _MAY_WIN * fits[0].statistic if fits else 0.0
-    rest = [_larger(problem, f, held) if f.statistic > least else f for f in fits[_REFINED:]]
-    fits = sorted([*fits[:_REFINED], *rest], key=lambda f: -f.statistic)
-    for k, fit in enumerate(fits):
-        # To first order a size may come out far too small: a drag bends where the rotor stops.
-        if k < _REFINED or not any(p.scanned for p in fit.effects[-1].effect.parameters):
-            # What is tried so near is not charged for: chance must have no part in it.
-            clear = k == 0 and chance(_alone(fit, fit.statistic / spread**2)) < CLEAR
-            better = refine(problem, sharpen(problem, fit, held, closely=clear))
-            fits[k] = Fit(better.effects, better.statistic - gained, fit.roughness)
+    def clear(fit: Fit) -> bool:
+        return chance(_alone(fit, fit.statistic / spread**2)) < CLEAR
 
     @cache  # several forms have the same lookalikes
     def brings(other: Effect) -> float:
@@ -103,14 +86,9 @@ def rank(
 
     price = math.log(max(problem.n_rows, 2))
     found = []
-    for fit in fits:
-        effect = fit.effects[-1].effect
-        statistic, misfit = max(fit.statistic, 0.0) / spread**2, 0.0
-        if effect.by_chance and not scatters(problem, fit.effects):
-            # Whatever explains about as much goes first, and chance, too.
-            misfit = max(_MISFIT, telling_deviance(statistic))
-        elif _passes_for_it(effect, statistic, brings):
-            misfit = statistic
+    for fit in fit_library(problem, effects, clear, given):
+        effect, statistic = fit.effects[-1].effect, max(fit.statistic, 0.0) / spread**2
+        misfit = _misfit(problem, fit, statistic, brings)
         score = statistic - misfit - _price(_alone(fit, statistic), price)
         alone = _alone(fit, statistic - misfit)
         p_value = chance(alone)
@@ -123,24 +101,15 @@ def rank(
     return sorted(found, key=lambda r: -r.score)
 
 
-def _larger(problem: Problem, fit: Fit, held: Sequence[Applied]) -> Fit:
-    """Return a fit with its last effect as large as explains most, where to first order it is less.
-
-    What begins at once, such as friction that falls with the speed, shows little of that at first.
-    """
-    last = fit.effects[-1]
-    sized = [p for p in last.effect.parameters if not p.scanned]
-    if not sized:
-        return fit
-    before = problem.drop(held)
-    for times in _TIMES:
-        sizes = {p.name: p.null + times * (last.values[p.name] - p.null) for p in sized}
-        kept = {p.name: min(max(sizes[p.name], p.low), p.high) for p in sized}
-        effects = (*held, Applied(last.effect, {**last.values, **kept}))
-        brings = problem.drop(effects) - before
-        if brings > fit.statistic:
-            fit = Fit(effects, brings, fit.roughness)
-    return fit
+def _misfit(
+    problem: Problem, fit: Fit, statistic: float, brings: Callable[[Effect], float]
+) -> float:
+    """Return what of the statistic of a fit's last effect does not speak for it."""
+    effect = fit.effects[-1].effect
+    if effect.by_chance and not scatters(problem, fit.effects):
+        # Whatever explains about as much goes first, and chance, too.
+        return max(_MISFIT, telling_deviance(statistic))
+    return statistic if _passes_for_it(effect, statistic, brings) else 0.0
 
 
 def _alone(fit: Fit, statistic: float) -> Fit:

@@ -91,20 +91,6 @@ def test_a_cause_yields_to_what_a_model_may_be_off_by(
     assert (found.misfit == 0.0) == is_a_cause
 
 
-@pytest.mark.parametrize(("lost_rad_s", "fades_rad_s"), [(6.0, 2.6), (3.0, 5.0)])
-def test_what_shows_little_at_first_is_tried_larger(lost_rad_s: float, fades_rad_s: float) -> None:
-    """Friction that holds the rotor at half of its speed: its slope at none is hardly any."""
-    slips = applied("stick_slip", "", lost_rad_s=lost_rad_s, fades_rad_s=fades_rad_s)
-    (stretch,), _ = cut_runs([driven(np.repeat(UP_AND_DOWN_DEG, 10), 3, slips)], identified(), ())
-    known = knowledge_of(identified())
-    assert known.noise is not None
-    problem = Problem([stretch], known, known.noise, [stretch.use])
-    testable = [e for e in library() if e.untestable([stretch.context]) is None and not e.sporadic]
-    best = rank(problem, testable, 1.0)[0]
-    assert best.effect.name == "stick_slip"
-    assert best.statistic > 0.99 * problem.deviance
-
-
 @pytest.mark.parametrize("seed", range(3))
 def test_one_of_many_grids_is_paid_for_with_the_search(seed: int) -> None:
     triangle_deg = 85.0 * sawtooth(0.1 * np.arange(200.0), 0.5)
