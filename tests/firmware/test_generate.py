@@ -1,30 +1,18 @@
 """The generated constants are those of protocol.yaml, and a wrong description is refused."""
 
-import importlib.util
 import subprocess
 import sys
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import pytest
 import yaml
 
+from firmware import generate
 from usmbench.instruments.protocol import _generated
 
 ROOT = Path(__file__).resolve().parents[2]
 SCRIPT = ROOT / "firmware" / "generate.py"
-
-
-@pytest.fixture(scope="module")
-def generate() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("firmware_generate", SCRIPT)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
 
 
 def test_the_generated_files_in_the_tree_are_fresh() -> None:
@@ -33,7 +21,7 @@ def test_the_generated_files_in_the_tree_are_fresh() -> None:
 
 
 def test_check_notices_a_stale_file_and_writing_mends_it(
-    generate: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     output = tmp_path / "_generated.py"
     monkeypatch.setattr(generate, "OUTPUTS", {output: generate.render_python})
@@ -83,9 +71,7 @@ def _other_format(tree: dict[str, Any]) -> None:
     "spoil",
     [_double_type, _reply_type, _no_flags, _two_bits, _too_long, _too_large, _other_format],
 )
-def test_a_description_that_contradicts_itself_is_refused(
-    generate: ModuleType, tmp_path: Path, spoil: Any
-) -> None:
+def test_a_description_that_contradicts_itself_is_refused(tmp_path: Path, spoil: Any) -> None:
     tree = yaml.safe_load((ROOT / "firmware" / "protocol.yaml").read_text("utf-8"))
     spoil(tree)
     path = tmp_path / "protocol.yaml"

@@ -1,28 +1,11 @@
 """The image is the linked program, whole configuration words, and a trap everywhere else."""
 
-import importlib.util
-import sys
-from pathlib import Path
-from types import ModuleType
-
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-SCRIPT = Path(__file__).resolve().parents[2] / "firmware" / "image.py"
+from firmware import image
 
-
-def load() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("firmware_image", SCRIPT)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-image = load()
 memories = st.dictionaries(
     st.one_of(st.integers(0, 0x7FFF), st.integers(0x300000, 0x30000D)), st.integers(0, 255)
 )
