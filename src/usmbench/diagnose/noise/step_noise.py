@@ -61,14 +61,17 @@ def noise_with_steps(
 def _running_out(
     stretches: Sequence[Stretch], residuals: Sequence[Array], masks: Sequence[Mask], flat: Noise
 ) -> float:
-    """Share of a turning rotor's noise in one that runs out, past the window of the stop itself."""
+    """Share of a turning rotor's noise in one that runs out, past the window of the stop itself.
+
+    All of it where too few rows tell: runs that glide into the dead zone say nothing of steps.
+    """
     shares = []
     for s, error, mask in zip(stretches, residuals, masks, strict=True):
         still = (s.lag > 0) | (np.abs(s.step_rad_s) < stands_below_rad_s(s))
         rows = mask & still & (runs_out(s) > _MOSTLY)
         shares.append(np.abs(error[rows]) / flat.last_driven_rad_s(s)[rows])
     share = np.concatenate(shares)
-    return min(OVER_MEDIAN * float(np.median(share)), 1.0) if share.size >= _FEWEST_STARTS else 0.0
+    return min(OVER_MEDIAN * float(np.median(share)), 1.0) if share.size >= _FEWEST_STARTS else 1.0
 
 
 def _after_steps(

@@ -83,3 +83,17 @@ def test_a_rotor_that_runs_out_in_the_dead_zone_keeps_its_noise(share: float) ->
     assert np.count_nonzero(rows) > 500
     white = np.asarray(whitening(noise, stretch) @ left)[rows]
     assert np.std(white) == pytest.approx(1.0, rel=0.15)
+
+
+def test_of_one_that_no_run_shows_running_out_nothing_is_taken_for_granted() -> None:
+    """A phase that glides tells nothing of a rotor that a step lets run out."""
+    up_deg = np.linspace(0.0, 60.0, 1000)
+    gliding = held_phases(np.r_[up_deg, up_deg[::-1], np.zeros(2000)], 1)
+    stepped = held_phases(np.tile([40.0, 0.0], 50))
+    assert np.count_nonzero(runs_out(gliding) > 0.5) < 20
+    rng = np.random.default_rng(12)
+    left = NOISE_RAD_S * np.where(turns(gliding), 1.0, 0.3) * rng.standard_normal(4000)
+    calm_rad_s = estimate_noise([gliding], [left], [gliding.use]).calm_rad_s(stepped)
+    out, stands = runs_out(stepped) > 0.9, (runs_out(stepped) < 0.01) & ~turns(stepped)
+    assert np.median(calm_rad_s[out]) == pytest.approx(NOISE_RAD_S, rel=0.25)
+    assert np.median(calm_rad_s[stands]) == pytest.approx(0.3 * NOISE_RAD_S, rel=0.15)
