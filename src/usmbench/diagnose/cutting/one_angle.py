@@ -133,9 +133,10 @@ def _shifted(stretch: Stretch, by_rad: float) -> Stretch:
 
 
 def _ripple(stretches: Sequence[Stretch]) -> _Ripple:
-    """Fit the ripple of one run by least squares, beside a gain and a slip.
+    """Fit the ripple of one run by least squares, beside a gain and a slip each way.
 
-    Its covariance is the sandwich over blocks (White 1980, doi:10.2307/1912934).
+    Its covariance is the sandwich over blocks (White 1980, doi:10.2307/1912934): what else is
+    smooth and off, such as a direction that is faster, would hide the ripple in it.
     """
     columns, residual = [], []
     for s in stretches:
@@ -146,7 +147,8 @@ def _ripple(stretches: Sequence[Stretch]) -> _Ripple:
         angle = s.context.angle_rad
         if angle is None or not rows.any():
             continue
-        waves = (speed * np.cos(angle), speed * np.sin(angle), speed, np.sign(speed))
+        usual = (speed, np.abs(speed), np.sign(speed), np.ones(speed.size))
+        waves = (speed * np.cos(angle), speed * np.sin(angle), *usual)
         columns.append(np.column_stack(waves)[rows])
         residual.append(s.residual_rad_s[rows])
     if sum(map(len, residual)) <= _BLOCKS:

@@ -34,6 +34,17 @@ def test_a_disc_is_named_from_runs_that_begin_at_other_angles(
     assert any("begins anew in each run" in warning for warning in found.warnings)
 
 
+def test_a_disc_is_seen_beside_a_direction_that_is_faster(model: HammersteinModel) -> None:
+    disc = (applied("encoder_eccentricity", "", cosine=0.02, sine=0.0),)
+    elsewhere = (applied("encoder_eccentricity", "", cosine=0.0, sine=0.02),)
+    faster = applied("gain_asymmetry", "forwards", gain=-0.035)
+    runs = [measured(3, *disc, faster), measured(4, *elsewhere, faster)]
+    found = diagnose(runs, model)
+    assert {cause.name for cause in found.causes} == {"gain_asymmetry", "encoder_eccentricity"}
+    assert found.verdict == "explained"
+    assert any("begins anew in each run" in warning for warning in found.warnings)
+
+
 @pytest.mark.parametrize("n", [300, 1000])
 def test_a_short_run_whose_phase_glides_is_shifted_to_a_long_one(
     model: HammersteinModel, n: int
