@@ -105,11 +105,17 @@ def _least_rad_s(
     calm = [steady(s) | runs_on(s) for s in problem.stretches]
     turns = problem.unsure_beside_rad_s([m & c for m, c in zip(rows, calm, strict=True)])
     others = problem.unsure_rad_s([m & ~c for m, c in zip(rows, calm, strict=True)])
-    shown, level = _shown(problem, left, calm), problem.noise.level_rad_s
+    level = [problem.noise.level_rad_s(s) for s in problem.stretches]
+    shown = _shown(problem, left, calm)
     return [
-        PLAIN * spread * np.hypot(level(s), shown * t + o)
-        for s, t, o in zip(problem.stretches, turns, others, strict=True)
+        PLAIN * spread * np.hypot(lv, shown[_octave(t / lv, shown.size)] * t + o)
+        for lv, t, o in zip(level, turns, others, strict=True)
     ]
+
+
+def _octave(times: Array, n: int) -> NDArray[np.intp]:
+    """Return which of n octaves from 1 on numbers are in, the last of all beyond, shape (N,)."""
+    return np.clip(np.log2(np.maximum(times, 1.0)), 0, n - 1).astype(np.intp)
 
 
 def _away(residual_rad_s: Array) -> Array:
@@ -117,24 +123,34 @@ def _away(residual_rad_s: Array) -> Array:
     return np.asarray(np.min(np.abs(apart(residual_rad_s)), axis=0))
 
 
-def _shown(problem: Problem, left: Sequence[Array], calm: Sequence[Mask]) -> float:
+def _shown(problem: Problem, left: Sequence[Array], calm: Sequence[Mask]) -> Array:
     """Return which share of what a rotor that turns on may be off by it is, 1 at most.
 
     What is no news says how far the windows of any run may be from those beside them. In this run
-    few stand alone, so that the others say how far they are.
+    few stand alone, so that the others say how far they are, of which as much is unsure or more:
+    what follows small steps tells nothing of what follows large ones.
+
+    Returns
+    -------
+    Array
+        One where as much is unsure as the noise, twice that, and so on, shape (K,); 1 at the end.
     """
     every = max(1, sum(int(np.count_nonzero(c)) for c in calm) // _ENOUGH)
     some = [c & (np.arange(c.size) % every == 0) for c in calm]
-    unsure = np.concatenate(problem.unsure_beside_rad_s(some))
     level = np.concatenate([problem.noise.level_rad_s(s) for s in problem.stretches])
-    tells = np.concatenate(some) & (unsure > level)
+    unsure = np.concatenate(problem.unsure_beside_rad_s(some)) / level
+    away = np.concatenate([_away(r) for r in left]) / level
+    octaves = np.arange(np.ceil(np.log2(np.max(unsure, initial=1.0))))
+    return np.array([*(_share_of(away, unsure, 2.0**k) for k in octaves), 1.0])
+
+
+def _share_of(away: Array, unsure: Array, least: float) -> float:
+    """Return which share of what is unsure windows are off by, both in noise, shape (N,)."""
+    tells = unsure > least
     if np.count_nonzero(tells) < _FEWEST:
         return 1.0
-    away, unsure, level = (
-        x[tells] for x in (np.concatenate([_away(r) for r in left]), unsure, level)
-    )
     for share in np.linspace(0.0, 0.5, 11):
-        most = np.quantile(away / np.hypot(level, share * unsure), 1.0 - _ALONE)
+        most = np.quantile(away[tells] / np.hypot(1.0, share * unsure[tells]), 1.0 - _ALONE)
         if most < norm.isf(0.5 * _ALONE):
             return float(_DOUBLE * share)
     return 1.0
