@@ -22,7 +22,7 @@ from usmbench.diagnose.naming.ranking import (
     undecided,
 )
 from usmbench.diagnose.naming.two_together import Pair, together
-from usmbench.diagnose.naming.worth import First, worth_a_name
+from usmbench.diagnose.naming.worth import First, earns_its_place, worth_a_name
 from usmbench.diagnose.residual.basis import Basis
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.views import omnibus
@@ -191,6 +191,9 @@ def _with_the_rest(problem: Problem, effects: Sequence[Effect], found: Named) ->
     there = problem.with_masks([m & s for m, s in zip(problem.masks, struck, strict=True)])
     if fit.statistic <= alone.statistic or _worse(there, alone, fit):
         return found
+    first = First(alone.statistic / found.spread**2, frozenset(alternatives(found.rankings[-1])))
+    if not earns_its_place(problem.with_masks(masks), alone.effects, fit.effects, first, spread):
+        return found  # It was what the first does, too, by less than the noise of a window.
     both = settled(problem, [found.rankings[-1], *rest.rankings], fit)
     return replace(both, spread=found.spread)
 
