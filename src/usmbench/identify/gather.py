@@ -11,6 +11,7 @@ from usmbench.identify.data import Dataset, FittedRun, Point, Segment, describe
 from usmbench.identify.wild_rows import BEYOND, wild_rows
 from usmbench.runs.check_record import changed_since_closed, check_numbers, check_together
 from usmbench.runs.columns import DRIVE_COLUMN
+from usmbench.runs.doubtful_units import doubtful_units
 from usmbench.runs.meta import said_numbers
 from usmbench.runs.record import Record
 from usmbench.runs.time_step import alike, breaks
@@ -46,6 +47,7 @@ def from_windows(records: Sequence[Record]) -> Dataset:
     check_together(records)
     for number, record in enumerate(records):
         check_numbers(record)
+        warnings += doubtful_units([record])
         _check_window(record, records[0].name, window_s)
         jumps = breaks(record.t_s, window_s)
         if jumps.size:
@@ -88,6 +90,7 @@ def from_pairs(records: Sequence[Record]) -> Dataset:
     check_together(records)
     for number, record in enumerate(records):
         check_numbers(record)
+        warnings += doubtful_units([record])
         phase_deg, speed_rad_s, keys = _pairs_of(record, warnings)
         for key in dict.fromkeys(keys):
             rows = np.array([row for row, other in enumerate(keys) if other == key])

@@ -15,6 +15,7 @@ from usmbench.model.same_windows import check_windows
 from usmbench.model.scores import fit_percent, rmse
 from usmbench.model.simulate import Simulation, simulate
 from usmbench.runs.check_record import changed_since_closed, check_numbers
+from usmbench.runs.doubtful_units import doubtful_units
 from usmbench.runs.pauses import cold_starts
 from usmbench.runs.record import Column, Record
 from usmbench.runs.shaft_angle import angle_goes_with_speed, angle_warnings
@@ -69,6 +70,7 @@ def replay_record(record: Record, model: HammersteinModel) -> Replay:
     """
     check_numbers(record)
     warnings = [*changed_since_closed([record]), *another_motor([record], model)]
+    warnings += doubtful_units([record])
     warnings += _check_windows(record, model)
     warnings += angle_warnings(record)
     parts = [

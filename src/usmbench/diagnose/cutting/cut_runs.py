@@ -25,6 +25,7 @@ from usmbench.model.replay import middle_angle_rad
 from usmbench.model.resonance_slope import point_slopes
 from usmbench.model.same_motor import another_motor
 from usmbench.runs.check_record import changed_since_closed, check_together
+from usmbench.runs.doubtful_units import doubtful_units
 from usmbench.runs.dwells import dwell_begin
 from usmbench.runs.record import Record
 from usmbench.runs.shaft_angle import angle_warnings
@@ -72,6 +73,7 @@ def cut_runs(
     warnings += another_motor(records, model)
     for record in records:
         check_run(record, model)
+    warnings += doubtful_units(records)
     sizes = [record.t_s.size for record in records]
     jumps = [breaks(record.t_s, float(np.median(record.window_s))) for record in records]
     pieces = _pieces(sizes, jumps, min(1.0, _MOST_WINDOWS / sum(sizes)))
