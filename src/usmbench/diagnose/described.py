@@ -59,12 +59,12 @@ def described(
     singles = () if held.sporadic is None else (held.sporadic.applied,)
     effects = [applied.to_mapping() for applied in (*fit.effects, *singles)]
     views = residual_views(problem, found.left_rad_s, found.spread)
-    says = held.verdict
-    if says == "explained" and held.left_over > LOUD and (_shown(views) or _scatters(found)):
-        says = "partly_explained"
-    silent = says in ("no_discrepancy", "explained")
+    loud = held.left_over > LOUD and (_shown(views) or _scatters(found))
+    if held.verdict == "explained" and loud:
+        held = replace(held, verdict="partly_explained")
+    silent = held.verdict in ("no_discrepancy", "explained")
     return Diagnosis(
-        verdict=says,
+        verdict=held.verdict,
         causes=tuple(_causes(held)),
         candidates=tuple(_candidate(r, found) for r in _best_forms(found.ranked)),
         not_testable=refused,

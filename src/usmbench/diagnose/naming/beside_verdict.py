@@ -12,6 +12,7 @@ from usmbench.diagnose.result import Verdict
 # Chosen while watching draws of simulated motors; no measurement fixes them.
 _UNKNOWN, _MANY_ROWS = 0.1, 0.2  # of the highest speed; of the rows
 _MANY_STEPS = 0.1  # of the steps: the two of a warm-up are one in forty of a phase sweep's
+_FOREIGN = 0.2  # of the measured speed's rms
 
 
 def said_beside(found: Found, verdict: Verdict) -> Iterator[str]:
@@ -29,6 +30,8 @@ def said_beside(found: Found, verdict: Verdict) -> Iterator[str]:
     yield from _angles(found)
     if verdict == "no_discrepancy":
         yield from _left_aside(found)
+    if verdict in ("partly_explained", "unexplained"):
+        yield from _foreign(found)
     if verdict == "unexplained" and not found.plain:
         yield (
             "what is left could be the model's own error, larger than its runs let one expect; "
@@ -75,6 +78,22 @@ def _angles(found: Found) -> Iterator[str]:
                 "counter begins elsewhere, replay puts the ripple elsewhere, and only diagnose "
                 "finds its place again"
             )
+
+
+def _foreign(found: Found) -> Iterator[str]:
+    """Say where so much is off, and not all explained, that the motor may not be the model's."""
+    stretches = found.problem.stretches
+    off, speed = (
+        np.linalg.norm(np.concatenate([getattr(s, name)[s.use] for s in stretches]))
+        for name in ("residual_rad_s", "speed_rad_s")
+    )
+    share = float(off / max(float(speed), 1e-12))
+    if share > _FOREIGN:
+        yield (
+            f"the simulation is off by {100.0 * share:.0f} % of the measured speed (root mean "
+            "square), and no name explains all of it: the runs may be of another motor, or of "
+            "another operating point, than the model's"
+        )
 
 
 def _left_aside(found: Found) -> Iterator[str]:

@@ -11,6 +11,7 @@ from usmbench.diagnose.naming.beside_verdict import said_beside
 from usmbench.diagnose.naming.found import Found, verdict_on
 from usmbench.diagnose.naming.ranking import Ranked
 from usmbench.diagnose.residual.whole import Whole
+from usmbench.diagnose.result import Verdict
 
 
 @pytest.mark.parametrize(("p_value", "warns"), [(1e-9, True), (1e-3, False)])
@@ -53,6 +54,27 @@ def test_what_the_model_may_owe_is_said_where_nothing_else_is_plain(
     said = [w for w in said_beside(found, "unexplained") if "own error" in w]
     assert len(said) == warns
     assert not any("own error" in w for w in said_beside(found, "explained"))
+
+
+@pytest.mark.parametrize(
+    ("share", "verdict", "warns"),
+    [
+        (0.3, "unexplained", True),
+        (0.3, "partly_explained", True),
+        (0.3, "explained", False),
+        (0.1, "unexplained", False),
+    ],
+)
+def test_a_run_that_may_be_of_another_motor_is_asked_about(
+    share: float, verdict: Verdict, *, warns: bool
+) -> None:
+    problem = judged(1.0)
+    (stretch,) = problem.stretches
+    other = replace(stretch, simulated_rad_s=(1.0 - share) * stretch.speed_rad_s)
+    problem.stretches = (other,)
+    quiet = Whole(0.0, 1.0, problem.n_rows)
+    found = Found(problem, 1.0, [], [], Fit((), 0.0, 0.0), quiet, quiet)
+    assert any("another motor" in said for said in said_beside(found, verdict)) == warns
 
 
 def test_a_ripple_is_said_to_be_at_the_counters_angle() -> None:
