@@ -12,6 +12,7 @@ from usmbench.model.inverse_map import bezier_abscissa, check_knots
 Array = NDArray[np.float64]
 
 _END = 0.05  # of a curve's range: its slope over so much is that of its end
+_CREST_DEG = 90.0
 _REACH = 0.2  # of the range, beyond which a curve that goes on as it ends has levelled off
 
 
@@ -48,15 +49,23 @@ class StaticCurve:
         ----------
         phase_deg
             Phases, shape (N,). Beyond the knots, where the paper's curve is not defined, it goes on
-            as steeply as it ends, ever less so; how far that is admissible is the caller's to know,
+            as steeply as it ends, ever less so, and beyond ±90° back the way it came: the wave
+            travels as the sine of the phase. How far that is admissible is the caller's to know,
             see `usmbench.model.mixed_curve.beyond_range`.
         """
+        phase_deg = self._turned_back_deg(phase_deg)
         held_deg = np.clip(phase_deg, self.knots_deg[0], self.knots_deg[-1])
         speed_rad_s = self._within(held_deg)
         beyond_deg = phase_deg - held_deg
         if np.any(beyond_deg):
             speed_rad_s += self._more_rad_s(beyond_deg)
         return speed_rad_s
+
+    def _turned_back_deg(self, phase_deg: Array) -> Array:
+        """Phases, those beyond both the knots and ±90° as far on this side of it."""
+        outside = (phase_deg < self.knots_deg[0]) | (phase_deg > self.knots_deg[-1])
+        beyond_deg = np.sign(phase_deg) * np.maximum(np.abs(phase_deg) - _CREST_DEG, 0.0)
+        return np.where(outside, phase_deg - 2.0 * beyond_deg, phase_deg)
 
     def _within(self, phase_deg: Array) -> Array:
         return bezier_value(bezier_abscissa(phase_deg, self.knots_deg), self.delta)

@@ -1,4 +1,4 @@
-"""A static curve goes on beyond its ends as it ends."""
+"""A static curve goes on beyond its ends as it ends, and beyond ±90° back the way it came."""
 
 import numpy as np
 import pytest
@@ -32,7 +32,7 @@ def test_a_saturating_curve_is_met_better_than_by_its_end(beyond_deg: float, sid
     assert gained == pytest.approx(np.diff(saturating(phase_deg)), rel=0.2)
 
 
-@given(st.lists(st.floats(-20.0, 20.0), min_size=2, max_size=9), st.floats(0.0, 300.0))
+@given(st.lists(st.floats(-20.0, 20.0), min_size=2, max_size=9), st.floats(0.0, 40.0))
 def test_a_curve_is_continuous_and_levels_off(delta: list[float], beyond_deg: float) -> None:
     curve = StaticCurve(np.linspace(-30.0, 50.0, len(delta)), np.array(delta))
     for end_deg, way in ((-30.0, -1.0), (50.0, 1.0)):
@@ -41,3 +41,20 @@ def test_a_curve_is_continuous_and_levels_off(delta: list[float], beyond_deg: fl
         )
         assert near == pytest.approx(end, abs=1e-7)
         assert abs(beyond - end) <= 4.0 * abs(end - inside) + 1e-9
+
+
+@pytest.mark.parametrize("end_deg", [60.0, 88.0, 90.0])
+@given(beyond_deg=st.floats(0.0, 90.0), side=st.sampled_from([-1.0, 1.0]))
+def test_the_wave_travels_no_faster_beyond_a_quarter_turn(
+    end_deg: float, beyond_deg: float, side: float
+) -> None:
+    knots_deg = np.linspace(-end_deg, end_deg, 9)
+    curve = StaticCurve(knots_deg, 0.1 * knots_deg + 0.3)
+    before, after = curve.speed_rad_s(side * np.array([90.0 - beyond_deg, 90.0 + beyond_deg]))
+    assert after == pytest.approx(before, abs=1e-9)
+
+
+def test_a_curve_that_was_measured_beyond_a_quarter_turn_is_taken_at_its_word() -> None:
+    knots_deg = np.linspace(-180.0, 180.0, 9)
+    curve = StaticCurve(knots_deg, 0.1 * knots_deg)
+    assert curve.speed_rad_s(np.array([170.0])) == pytest.approx(17.0)
