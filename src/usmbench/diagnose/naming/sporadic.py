@@ -9,8 +9,9 @@ from scipy.stats import ks_2samp, poisson
 
 from usmbench.diagnose.cutting.stretches import came_from
 from usmbench.diagnose.evidence import Estimate, NamedCause
+from usmbench.diagnose.naming.apart_windows import beyond
 from usmbench.diagnose.naming.ranking import NO_CHANCE, SIGNIFICANT, TELLING
-from usmbench.diagnose.naming.standing_alone import StandingAlone, beyond
+from usmbench.diagnose.naming.standing_alone import StandingAlone
 from usmbench.diagnose.noise.spikes import apart, are_exceptions, moved_rad_s, steady
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.lone_windows import LoneWindows, SporadicEffect, Weighed

@@ -191,9 +191,10 @@ def _with_the_rest(problem: Problem, effects: Sequence[Effect], found: Named) ->
     there = problem.with_masks([m & s for m, s in zip(problem.masks, struck, strict=True)])
     if fit.statistic <= alone.statistic or _worse(there, alone, fit):
         return found
+    # What the first does below the noise of a window may have passed for another cause.
     first = First(alone.statistic / found.spread**2, frozenset(alternatives(found.rankings[-1])))
     if not earns_its_place(problem.with_masks(masks), alone.effects, fit.effects, first, spread):
-        return found  # It was what the first does, too, by less than the noise of a window.
+        return found
     both = settled(problem, [found.rankings[-1], *rest.rankings], fit)
     return replace(both, spread=found.spread)
 

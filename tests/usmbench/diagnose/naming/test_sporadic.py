@@ -215,26 +215,6 @@ def test_what_the_model_may_miss_after_a_step_is_no_false_count_where_it_does(
     assert (find_sporadic(problem, (), 1.0) is not None) == found
 
 
-def test_what_follows_small_steps_tells_nothing_of_what_follows_large_ones() -> None:
-    """Runs that tell of small steps only leave it open how the motor follows large ones."""
-    model, rng = identified(), np.random.default_rng(2)
-    levels_deg = np.where(np.arange(600) % 60, 60.0 + rng.uniform(-3.0, 3.0, 600), 25.0)
-    phase_deg = np.repeat(levels_deg, 20)
-    record = driven(phase_deg, 4)
-    steps_rad_s = np.diff(CURVE.speed_rad_s(levels_deg), prepend=CURVE.speed_rad_s(levels_deg[:1]))
-    off = np.zeros(phase_deg.size)
-    off[3::20] = 0.1 * steps_rad_s * rng.normal(size=600) * (np.abs(steps_rad_s) > 2.0)
-    assert np.count_nonzero(np.abs(off) > 10.0 * NOISE_RAD_S) > 5
-    (stretch,), _ = cut_runs([replace(record, speed_rad_s=record.speed_rad_s + off)], model, ())
-    known = knowledge_of(model)
-    noise = known.noise
-    assert noise is not None
-    lag = np.array([g in ("lag 3", "lag 4", "lag 5") for g in known.features.groups])
-    known = replace(known, root=known.root + np.diag(0.1 * lag))
-    problem = Problem([stretch], known, noise, [stretch.use])
-    assert find_sporadic(problem, (), 1.0) is None
-
-
 def swinging(off_rad_s: float, *, behind: bool = False) -> tuple[Record, int]:
     """Return a run with windows off where the phase swings fastest, and how many.
 
