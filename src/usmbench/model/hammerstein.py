@@ -11,8 +11,9 @@ from usmbench.model.inverse_map import bezier_abscissa, check_knots
 
 Array = NDArray[np.float64]
 
+CREST_DEG = 90.0
+"""Phase at which the wave travels most, and on either side of which it does so alike."""
 _END = 0.05  # of a curve's range: its slope over so much is that of its end
-_CREST_DEG = 90.0
 _REACH = 0.2  # of the range, beyond which a curve that goes on as it ends has levelled off
 
 
@@ -64,7 +65,7 @@ class StaticCurve:
     def _turned_back_deg(self, phase_deg: Array) -> Array:
         """Phases, those beyond both the knots and ±90° as far on this side of it."""
         outside = (phase_deg < self.knots_deg[0]) | (phase_deg > self.knots_deg[-1])
-        beyond_deg = np.sign(phase_deg) * np.maximum(np.abs(phase_deg) - _CREST_DEG, 0.0)
+        beyond_deg = np.sign(phase_deg) * np.maximum(np.abs(phase_deg) - CREST_DEG, 0.0)
         return np.where(outside, phase_deg - 2.0 * beyond_deg, phase_deg)
 
     def _within(self, phase_deg: Array) -> Array:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from usmbench.diagnose.cutting.dead_zone import STANDING, dead_zone_deg, highest_rad_s
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.model.effects.first_order import later
-from usmbench.model.hammerstein import LinearPart
+from usmbench.model.hammerstein import CREST_DEG, LinearPart
 from usmbench.model.linear import free_run, from_rest
 
 Array = NDArray[np.float64]
@@ -134,10 +134,13 @@ def widening(stretch: Stretch, wider_deg: Array | float = 1.0) -> Array:
     phase_deg, way = context.phase_deg, np.sign(context.phase_deg)
     # A curve is smoother than the straight lines between its nodes, but not where it starts.
     reach_deg = 0.5 * np.clip(np.abs(phase_deg) - dead_zone_deg(stretch), _NEAR_DEG, _FAR_DEG)
+    # Not over the crest, beyond which it comes back.
+    short_deg = CREST_DEG - np.abs(phase_deg)
+    outward_deg = np.where(short_deg >= 0.0, np.minimum(reach_deg, short_deg), reach_deg)
     inward, outward = (
-        context.settled_rad_s(phase_deg + side * reach_deg * way) for side in (-1.0, 1.0)
+        context.settled_rad_s(phase_deg + way * by_deg) for by_deg in (-reach_deg, outward_deg)
     )
-    slope_rad_s_per_deg = (inward - outward) / (2.0 * reach_deg)
+    slope_rad_s_per_deg = (inward - outward) / (reach_deg + outward_deg)
     # Before the lag: in the window after a jump the rotor still turns as on the side it left.
     return shown(stretch, slope_rad_s_per_deg * wider_deg)
 

@@ -83,11 +83,9 @@ def _angles(found: Found) -> Iterator[str]:
 def _foreign(found: Found) -> Iterator[str]:
     """Say where so much is off, and not all explained, that the motor may not be the model's."""
     stretches = found.problem.stretches
-    off, speed = (
-        np.linalg.norm(np.concatenate([getattr(s, name)[s.use] for s in stretches]))
-        for name in ("residual_rad_s", "speed_rad_s")
-    )
-    share = float(off / max(float(speed), 1e-12))
+    off = np.concatenate([s.residual_rad_s[s.use] for s in stretches])
+    speed = np.concatenate([s.speed_rad_s[s.use] for s in stretches])
+    share = float(np.linalg.norm(off)) / max(float(np.linalg.norm(speed)), 1e-12)
     if share > _FOREIGN:
         yield (
             f"the simulation is off by {100.0 * share:.0f} % of the measured speed (root mean "

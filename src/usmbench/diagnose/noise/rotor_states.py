@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Mask, Stretch
+from usmbench.model.hammerstein import CREST_DEG
 
 Array = NDArray[np.float64]
 
@@ -28,6 +29,9 @@ def bend_rad_s(stretch: Stretch) -> Array:
         The stretch.
     """
     curve, phase_deg = stretch.context.settled_rad_s, stretch.context.phase_deg
+    # Not over the crest, beyond which it comes back.
+    short_deg = np.clip(phase_deg, _CORNER_DEG - CREST_DEG, CREST_DEG - _CORNER_DEG)
+    phase_deg = np.where(np.abs(phase_deg) > CREST_DEG, phase_deg, short_deg)
     around = curve(phase_deg - _CORNER_DEG) + curve(phase_deg + _CORNER_DEG)
     # Of the curve alone: a habit that takes speed is no bend.
     bend: Array = _DISTRUST * np.abs(around - 2.0 * curve(phase_deg))

@@ -44,3 +44,9 @@ def test_a_habit_that_takes_speed_is_no_bend_of_the_curve(model: HammersteinMode
     plain, stuck = _stretch(model, phase_deg), _stretch(model, phase_deg, sticking)
     assert np.max(np.abs(stuck.settled_rad_s - plain.settled_rad_s)) > 0.1
     np.testing.assert_array_equal(bend_rad_s(stuck), bend_rad_s(plain))
+
+
+def test_a_curve_is_to_be_trusted_at_its_crest(model: HammersteinModel) -> None:
+    """A curve that still rises at 90° comes back from there, which is no corner of a dead zone."""
+    bend = bend_rad_s(_stretch(model, np.linspace(-90.0, 90.0, 181)))
+    assert np.max(bend[[0, 1, -2, -1]]) < 2.0 * np.max(bend[[3, 4, -5, -4]])
