@@ -24,6 +24,7 @@ CURVE = StaticCurve(
     np.array([-10.3, -10.1, -8, 0, 0, 0, 0, 0, 0, 8, 10.2, 10.4]),
 )
 LINEAR = first_order(0.0035, 0.0015, WINDOW_S)
+UP_AND_DOWN_DEG = np.r_[np.arange(-84.0, 85.0, 3.0), np.arange(84.0, -85.0, -3.0)]
 
 
 def measured(seed: int, *effects: Applied, n: int = 1400) -> Record:

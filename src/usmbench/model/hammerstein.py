@@ -12,7 +12,7 @@ from usmbench.model.inverse_map import bezier_abscissa, check_knots
 Array = NDArray[np.float64]
 
 CREST_DEG = 90.0
-"""Phase at which the wave travels most, and on either side of which it does so alike."""
+"""Phase at which the wave travels most, and beside which alike: section II.1 of the paper."""
 _END = 0.05  # of a curve's range: its slope over so much is that of its end
 _REACH = 0.2  # of the range, beyond which a curve that goes on as it ends has levelled off
 

@@ -3,14 +3,12 @@
 import numpy as np
 import pytest
 
-from known_motor import applied, driven, identified
+from known_motor import UP_AND_DOWN_DEG, applied, driven, identified
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.naming.library_fits import fit_library
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.registry import library
-
-UP_AND_DOWN_DEG = np.r_[np.arange(-84.0, 85.0, 3.0), np.arange(84.0, -85.0, -3.0)]
 
 
 @pytest.mark.parametrize(("lost_rad_s", "fades_rad_s"), [(6.0, 2.6), (3.0, 5.0)])

@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import sawtooth
 
-from known_motor import applied, driven, identified
+from known_motor import UP_AND_DOWN_DEG, applied, driven, identified
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.fitting.fit import NOTHING
 from usmbench.diagnose.known.model_knowledge import knowledge_of
@@ -62,7 +62,6 @@ def test_a_ranking_begins_with_a_form_that_is_as_good_as_the_best_of_its_cause()
 STICKS = applied("dead_zone_hysteresis", "sticking", start_later_deg=4.0)
 SLIPS = applied("stick_slip", "", lost_rad_s=0.5, fades_rad_s=1.0)
 WIDER = Applied(Sticking().lookalikes[0], {"start_later_deg": 4.0})
-UP_AND_DOWN_DEG = np.r_[np.arange(-84.0, 85.0, 3.0), np.arange(84.0, -85.0, -3.0)]
 FROM_REST_DEG = np.ravel([(0.0, phase_deg) for phase_deg in np.arange(-84.0, 85.0, 3.0)])
 
 
