@@ -82,9 +82,7 @@ def _would_show(found: Diagnosis) -> list[str]:
     """Return the smallest sizes that these runs would have shown, in a few lines."""
     # A size stays on one line, and with its cause.
     sizes = ", ".join(
-        f"{d.cause} {sized(d.value, d.unit)}".replace(" ", BLANK)
-        for d in found.minimum_detectable
-        if d.value is not None
+        f"{d.cause} {sized(d.value, d.unit)}".replace(" ", BLANK) for d in found.minimum_detectable
     )
     text = f"(in 9 of 10 cases) {sizes}" if sizes else "nothing within its bounds"
     lines = textwrap.wrap(text, _WIDTH - _LABEL, break_long_words=False, break_on_hyphens=False)

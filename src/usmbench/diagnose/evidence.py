@@ -148,12 +148,12 @@ class Detectable:
     parameter
         The parameter that states its size.
     value
-        The size; None where no size within the bounds would show.
+        The size.
     unit
         Unit.
     """
 
     cause: str
     parameter: str
-    value: float | None
+    value: float
     unit: str

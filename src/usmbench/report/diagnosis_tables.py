@@ -112,7 +112,7 @@ def detectable_table(diagnosis: Diagnosis) -> str:
             (
                 escaped(spelled(d.cause)),
                 escaped(quantity(d.parameter, d.unit)),
-                escaped("none within bounds" if d.value is None else sized(d.value, d.unit)),
+                escaped(sized(d.value, d.unit)),
             ),
         )
         for d in diagnosis.minimum_detectable

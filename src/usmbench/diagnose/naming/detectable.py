@@ -25,6 +25,9 @@ def smallest_sizes(
 ) -> tuple[Detectable, ...]:
     """Return, by cause, the size at which its deviance is found with 90 % power.
 
+    Of the forms that a cause has in one unit it is the one that shows least: a weight shows as
+    soon as the rotor rests, a drag as large may not.
+
     Parameters
     ----------
     problem
@@ -36,13 +39,16 @@ def smallest_sizes(
     """
     found: dict[str, Detectable] = {}
     for effect in effects:
-        if effect.sporadic or not effect.parameters or effect.name in found:
+        if effect.sporadic or not effect.parameters:
             continue
         sized = next((p for p in effect.parameters if not p.scanned), effect.parameters[0])
+        before = found.get(effect.name)
+        if before is not None and before.unit != sized.unit:
+            continue
         threshold = _threshold(effect, CLEAR / len(effects))
         wanted = (math.sqrt(threshold) + float(norm.ppf(_POWER))) ** 2 * spread**2
         value = _size(problem, effect, sized, wanted)
-        if value is not None:
+        if value is not None and (before is None or value > before.value):
             found[effect.name] = Detectable(effect.name, sized.name, value, sized.unit)
     return tuple(found.values())
 

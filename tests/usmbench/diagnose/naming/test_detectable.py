@@ -15,6 +15,12 @@ from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
 
 
+def _problem(stretches: list[Stretch], model: HammersteinModel) -> Problem:
+    uses = [s.use for s in stretches]
+    white = [0.01 * np.random.default_rng(1).standard_normal(s.context.n) for s in stretches]
+    return Problem(stretches, knowledge_of(model), estimate_noise(stretches, white, uses), uses)
+
+
 @pytest.mark.parametrize(
     ("name", "form"),
     [("phase_offset", ""), ("stick_slip", "")],
@@ -23,12 +29,9 @@ from usmbench.model.hammerstein import HammersteinModel
 def test_nine_in_ten_of_the_smallest_size_are_below_the_level_of_a_name(
     stretches: list[Stretch], model: HammersteinModel, name: str, form: str
 ) -> None:
-    uses = [s.use for s in stretches]
-    white = [0.01 * np.random.default_rng(1).standard_normal(s.context.n) for s in stretches]
-    problem = Problem(stretches, knowledge_of(model), estimate_noise(stretches, white, uses), uses)
+    problem = _problem(stretches, model)
     effect = find_effect(name, form)
     (smallest,) = smallest_sizes(problem, [effect] * 5, 1.0)
-    assert smallest.value is not None
     scanned = {
         n: float(np.median(g)) for n, g in effect.grid([s.context for s in stretches]).items()
     }
@@ -37,3 +40,17 @@ def test_nine_in_ten_of_the_smallest_size_are_below_the_level_of_a_name(
     # A deviation shorter one time in ten.
     shorter = float(np.linalg.norm(carried) - norm.ppf(0.9))
     assert 5 * Fit((applied,), shorter**2, 0.0).p_value == pytest.approx(0.05, rel=0.1)
+
+
+def test_states_what_the_form_needs_that_shows_least(
+    stretches: list[Stretch], model: HammersteinModel
+) -> None:
+    problem = _problem(stretches, model)
+    forms = [find_effect("load_torque", f) for f in ("weight", "drag", "drag, wider dead zone")]
+    alone = [smallest_sizes(problem, [f] * 3, 1.0)[0] for f in forms]
+    assert [d.unit for d in alone] == ["rad/s", "rad/s", "deg"]
+    # One in another unit has no part in it.
+    most = max(alone[:2], key=lambda d: d.value)
+    assert alone[0].value != pytest.approx(alone[1].value, rel=0.2)
+    assert smallest_sizes(problem, forms, 1.0) == (most,)
+    assert smallest_sizes(problem, [forms[1], forms[0], forms[2]], 1.0) == (most,)
