@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from known_motor import NOISE_RAD_S, WINDOW_S, applied, driven, identified, measured
 from usmbench.diagnose import held
@@ -72,6 +73,16 @@ def test_a_ripple_faster_than_a_window_is_no_swinging_load(model: HammersteinMod
     ripple = 0.06 * np.sin(0.86 * np.arange(2000)) * (np.abs(record.speed_rad_s) > 0.3)
     found = diagnose([replace(record, speed_rad_s=record.speed_rad_s + ripple)], model)
     assert found.verdict == "unexplained"
+
+
+@pytest.mark.parametrize("over", [3, 5])
+def test_an_average_over_several_windows_is_no_ringing_as_damped_as_is_tried(
+    model: HammersteinModel, over: int
+) -> None:
+    record = measured(26)
+    averaged = lfilter(np.full(over, 1.0 / over), np.ones(1), record.speed_rad_s)
+    found = diagnose([replace(record, speed_rad_s=averaged)], model)
+    assert (found.verdict, found.causes) == ("unexplained", ())
 
 
 @pytest.mark.parametrize(("reversals", "named"), [(2, False), (60, True)])

@@ -11,6 +11,7 @@ Array = NDArray[np.float64]
 
 EDGE_95 = 3.84  # 95 % of chi-squared with one degree of freedom
 _WIDER, _HALVINGS, _FOLLOWING = 16, 6, 2
+_AT_END = 0.99  # of the way from nothing to the end
 
 
 def intervals(problem: Problem, fit: Fit, spread: float) -> list[dict[str, tuple[float, float]]]:
@@ -54,6 +55,28 @@ def intervals(problem: Problem, fit: Fit, spread: float) -> list[dict[str, tuple
     return found
 
 
+def leans_on_an_end(problem: Problem, fit: Fit, rise: float) -> bool:
+    """Return whether what shapes an effect is as large as is tried, and less fits plainly worse.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    fit
+        A refined fit.
+    rise
+        Deviance that a tenth less brings at least.
+    """
+    joint = Joint(problem, fit.effects)
+    for k, p in enumerate(joint.parameters):
+        way = float(joint.start[k]) - p.null
+        if p.scanned and way > _AT_END * (p.high - p.null):
+            risen, _ = _Profile(joint, joint.start, k, rise).rise(joint.start, p.null + 0.9 * way)
+            if risen > rise:
+                return True
+    return False
+
+
 def _reach(jacobian: Array, rise: float) -> Array:
     """Return how far each parameter may go until the deviance has risen by so much."""
     covariance = np.linalg.pinv(jacobian.T @ jacobian)
@@ -95,21 +118,29 @@ class _Profile:
         theta = self._theta
         for _ in range(_WIDER):
             outside = float(np.clip(start + step, p.low, p.high))
-            risen, best = self._rise(theta, outside)
+            risen, best = self.rise(theta, outside)
             if risen > self._edge_rise or outside in (p.low, p.high):
                 break
             inside, theta, step = outside, best, 2.0 * step
         for _ in range(_HALVINGS):
             middle = 0.5 * (inside + outside)
-            risen, best = self._rise(theta, middle)
+            risen, best = self.rise(theta, middle)
             if risen > self._edge_rise:
                 outside = middle
             else:
                 inside, theta = middle, best
         return outside
 
-    def _rise(self, theta: Array, value: float) -> tuple[float, Array]:
-        """Move one parameter, and the others after it; return the deviance's rise, and where."""
+    def rise(self, theta: Array, value: float) -> tuple[float, Array]:
+        """Move one parameter, and the others after it; return the deviance's rise, and where.
+
+        Parameters
+        ----------
+        theta
+            Where to begin, shape (P,).
+        value
+            Where the one is moved to.
+        """
         joint, moved = self._joint, theta.copy()
         moved[self._k] = value
         here = joint.left(moved)

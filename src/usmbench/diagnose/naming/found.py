@@ -10,9 +10,10 @@ from scipy.stats import chi2
 from usmbench.diagnose.cutting.stretches import Mask
 from usmbench.diagnose.fitting.fit import NOTHING, Fit
 from usmbench.diagnose.fitting.huber_weights import huber_weights
+from usmbench.diagnose.fitting.intervals import leans_on_an_end
 from usmbench.diagnose.fitting.refining import refine
 from usmbench.diagnose.naming.chance import chancy_of, leaves_scatter
-from usmbench.diagnose.naming.ranking import NO_CHANCE, Ranked
+from usmbench.diagnose.naming.ranking import NO_CHANCE, TELLING, Ranked
 from usmbench.diagnose.naming.remainder import LOUD, LOUD_ALONE
 from usmbench.diagnose.naming.sporadic import Sporadic
 from usmbench.diagnose.residual.problem import Problem
@@ -146,7 +147,7 @@ class Found:
 
     @property
     def at_an_end(self) -> bool:
-        """Whether a size is all that it may be: what would fit is something else.
+        """Whether a size or a shape is all that it may be: what would fit is something else.
 
         A share of all that there is has its end in itself, and so has what loses all.
         """
@@ -157,7 +158,9 @@ class Found:
             for end in (p.low, p.high)
             if not p.scanned and not (p.unit == "1" and (end == -1.0 or (p.low, end) == (0.0, 1.0)))
         )
-        return any(end != 0.0 and size / end > _AT_END for end, size in sizes)
+        if any(end != 0.0 and size / end > _AT_END for end, size in sizes):
+            return True
+        return leans_on_an_end(self.problem, self.fit, TELLING * self.spread**2)
 
     @property
     def on_a_grid(self) -> bool:

@@ -160,3 +160,17 @@ def test_a_size_that_is_all_it_may_be_explains_nothing(applied_: Applied, *, end
     quiet = Whole(0.0, 1.0, problem.n_rows)
     found = Found(problem, 1.0, [], [], Fit((applied_,), 60.0, 0.0), quiet, quiet)
     assert found.at_an_end == ends
+
+
+@pytest.mark.parametrize(("damping", "ends"), [(0.5, False), (0.8, True)])
+def test_a_ringing_damped_more_than_any_that_is_tried_is_something_else(
+    damping: float, *, ends: bool
+) -> None:
+    ringing = applied("shaft_compliance", "", period_s=0.04, damping=damping)
+    problem = judged(1.0)
+    changed = problem.change_rad_s([ringing])
+    for residual, change in zip(problem.residual_rad_s, changed, strict=True):
+        residual += change
+    again = problem.weighed(problem.noise, problem.masks)
+    quiet = Whole(0.0, 1.0, again.n_rows)
+    assert Found(again, 1.0, [], [], Fit((ringing,), 1e4, 0.0), quiet, quiet).at_an_end == ends
