@@ -124,8 +124,9 @@ def _pieces(
         every.append([])
         for rows in np.split(np.arange(n), at):
             owed += keep * rows.size
-            count = max(1, round(owed / _BLOCK)) if keep < 1.0 else 1
-            size = min(round(owed / count), rows.size) if keep < 1.0 else rows.size
+            here = min(owed, rows.size)  # the rest is for the next ones
+            count = max(1, round(here / _BLOCK)) if keep < 1.0 else 1
+            size = min(round(here / count), rows.size // count) if keep < 1.0 else rows.size
             if size <= _LONGEST_START or size < min(_LEAST_BLOCK, rows.size):
                 continue  # the next ones give more
             owed -= count * size
