@@ -30,6 +30,8 @@ from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
 
 _MOST_POINTS = 3000
+_SILENT = ("no_discrepancy", "explained")  # on what is left
+_PLAINLY_MORE = 1.5  # times the noise
 
 
 def described(
@@ -62,7 +64,7 @@ def described(
     loud = held.left_over > LOUD and (_shown(views) or _scatters(found))
     if held.verdict == "explained" and loud:
         held = replace(held, verdict="partly_explained")
-    silent = held.verdict in ("no_discrepancy", "explained")
+    silent = held.verdict in _SILENT
     return Diagnosis(
         verdict=held.verdict,
         causes=tuple(_causes(held)),
@@ -107,6 +109,7 @@ def _warnings(held: Held) -> Iterator[str]:
     yield from unknown_moments(found.problem.stretches)
     yield from said_beside(found, held.verdict)
     yield from _hidden(held)
+    yield from _no_news(held)
     if held.sporadic is not None:
         yield (
             f"no simulation foresees which windows {held.sporadic.named.name} strikes: "
@@ -128,6 +131,17 @@ def _hidden(held: Held) -> Iterator[str]:
             "another day's motor, as far off as its model's runs have shown, hides "
             f"{held.found.names[0]} here: the extended model is farther from these runs "
             "than the one given, and its gain shows on another day"
+        )
+
+
+def _no_news(held: Held) -> Iterator[str]:
+    """Say where a verdict leaves plainly more than the noise: what the model may be off by."""
+    left, noise = held.gain.rmse_extended_rad_s, held.gain.noise_floor_rad_s
+    by_chance = held.sporadic is not None or chancy_of(held.found.fit.effects)
+    if held.verdict in _SILENT and not by_chance and left > _PLAINLY_MORE * noise:
+        yield (
+            f"{left:.3g} rad/s are left where the noise is {noise:.2g}: no more than the model may "
+            "be off by, as its own runs show, such as on a day of another gain or dead zone"
         )
 
 

@@ -58,6 +58,15 @@ def test_names_what_another_day_hides(wandering: HammersteinModel, seed: int) ->
     assert any("its gain shows on another day" in warning for warning in found.warnings)
 
 
+@pytest.mark.parametrize(("scale_error", "said"), [(0.0, False), (0.015, True)])
+def test_says_that_what_is_left_is_no_more_than_days_differ_by(
+    wandering: HammersteinModel, scale_error: float, *, said: bool
+) -> None:
+    found = diagnose([measured(40, applied("speed_scale", "", scale_error=scale_error))], wandering)
+    assert found.verdict == "no_discrepancy"
+    assert said == any("are left where the noise is" in warning for warning in found.warnings)
+
+
 @pytest.mark.parametrize(
     ("hidden", "parameter"),
     [
