@@ -131,6 +131,11 @@ class Wander:
         return self.warms_gain > 0.0
 
     @property
+    def either_edge(self) -> float:
+        """Of where the dead zone ends on one side, as a share."""
+        return float(np.hypot(self.wider, self.one_sided))
+
+    @property
     def deviations(self) -> Array:
         """In the order of the columns of `departures`, the resonance's among them, shape (W,)."""
         shares = (self.gain, *self.gain_tilt)

@@ -51,6 +51,38 @@ def off_in_form(stretch: Stretch, change_rad_s: Array, form_off: float = PHYSICS
     return np.asarray(form_off * np.column_stack(every))
 
 
+def edges_elsewhere(
+    stretch: Stretch, own: Sequence[Applied], effects: Sequence[Applied], share: float
+) -> Array:
+    """Return what effects change otherwise where the dead zone ends elsewhere, shape (N, 4).
+
+    A weight pulls at once where the rotor begins to turn, and that is elsewhere on another day.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    own
+        The model's own effects.
+    effects
+        Those beyond them.
+    share
+        By which share of its phase either edge lies farther in or out.
+    """
+    context = stretch.context
+    side, every = np.sign(context.phase_deg), (*own, *effects)
+    contexts = [context]
+    for moved in (-share, share):
+        contexts += [
+            replace(context, phase_deg=context.phase_deg * (1.0 + moved * (side == one)))
+            for one in (-1.0, 1.0)
+        ]
+    here, *there = [
+        extended_run(every, c).speed_rad_s - extended_run(own, c).speed_rad_s for c in contexts
+    ]
+    return np.column_stack([changed - here for changed in there])
+
+
 def doubting_own(
     stretches: Sequence[Stretch], own: Sequence[Applied], doubted: Sequence[Applied]
 ) -> list[Stretch]:

@@ -12,7 +12,7 @@ from usmbench.diagnose.known.knowledge import Knowledge
 from usmbench.diagnose.noise.chance_scatter import chance_scatter_rad_s
 from usmbench.diagnose.noise.noise_model import Noise
 from usmbench.diagnose.residual.covariance import Covariance, whitened_by
-from usmbench.diagnose.residual.form import ROUGHLY, off_in_form
+from usmbench.diagnose.residual.form import ROUGHLY, edges_elsewhere, off_in_form
 from usmbench.diagnose.residual.free_runs import FreeRuns
 from usmbench.diagnose.residual.shown_motor import counters_of, expected_as_counted, shown_by
 from usmbench.diagnose.residual.weighed_residual import WeighedResidual
@@ -102,9 +102,12 @@ class Problem(WeighedResidual):
         """
         changes = self.change_rad_s(effects)
         off = [off_in_form(s, c, form_off) for s, c in zip(self.stretches, changes, strict=True)]
+        share = self.known.wander.either_edge
+        edges = [edges_elsewhere(s, self.own, effects, share) for s in self.stretches]
+        columns = np.hstack([np.concatenate(off), np.concatenate(edges)])
         level = np.concatenate([self.noise.level_rad_s(s) for s in self.stretches])
         kept = 1.0 / np.hypot(1.0, ROUGHLY * np.concatenate(changes) / level)
-        return self._where(self._covariance.also(np.concatenate(off), 1.0, kept))
+        return self._where(self._covariance.also(columns, 1.0, kept))
 
     def freeing(self, effects: Sequence[Applied]) -> "Problem":
         """Return the same problem where effects may be there by any size.
