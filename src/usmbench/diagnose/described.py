@@ -137,7 +137,8 @@ def _hidden(held: Held) -> Iterator[str]:
 def _no_news(held: Held) -> Iterator[str]:
     """Say where a verdict leaves plainly more than the noise: what the model may be off by."""
     left, noise = held.gain.rmse_extended_rad_s, held.gain.noise_floor_rad_s
-    by_chance = held.sporadic is not None or chancy_of(held.found.fit.effects)
+    every = (*held.found.problem.own, *held.found.fit.effects)
+    by_chance = held.sporadic is not None or chancy_of(every)
     if held.verdict in _SILENT and not by_chance and left > _PLAINLY_MORE * noise:
         yield (
             f"{left:.3g} rad/s are left where the noise is {noise:.2g}: no more than the model may "

@@ -74,11 +74,12 @@ def leaves_scatter(problem: Problem, effects: Sequence[Applied]) -> bool:
     if not chancy:
         return False
     changes, struck = problem.change_rad_s(chancy), struck_by(problem, chancy)
+    unstruck_rad_s = problem.left_rad_s([a for a in effects if a not in chancy])
     outside = against = 0.0
     left_inside, speeds_rad_s = [], []
     for k, (stretch, mask) in enumerate(zip(problem.stretches, problem.masks, strict=True)):
         level = problem.noise.level_rad_s(stretch)
-        left, was = left_rad_s[k] / level, problem.residual_rad_s[k] / level
+        left, was = left_rad_s[k] / level, unstruck_rad_s[k] / level
         inside = mask & struck[k]
         outside += _beyond_noise(left[mask & ~struck[k]])
         against += _beyond_noise(was[inside & (was * changes[k] < 0.0)])

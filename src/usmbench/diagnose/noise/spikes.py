@@ -159,7 +159,7 @@ def are_exceptions(
         _joined(columns, calm)
         for columns in (
             alone,
-            residuals,
+            [_beside_neighbours(r) for r in residuals],
             [np.abs(s.simulated_rad_s) for s in stretches],
             [s.context.phase_deg for s in stretches],
         )
@@ -195,7 +195,12 @@ def off_steps(
     beside = [s.use & (lag < LAGS) for s, (lag, _) in zip(stretches, moments, strict=True)]
     off, far, lag, step = (
         _joined(columns, beside)
-        for columns in (residuals, alone, [m[0] for m in moments], [m[1] for m in moments])
+        for columns in (
+            [_beside_neighbours(r) for r in residuals],
+            alone,
+            [m[0] for m in moments],
+            [m[1] for m in moments],
+        )
     )
     if not hang_together(off, far, np.lexsort((step, lag))):
         return list(alone)
@@ -245,6 +250,12 @@ def apart(residual_rad_s: Array) -> tuple[Array, Array]:
     padded = np.pad(residual_rad_s, 3, mode="edge")
     middle = np.median(sliding_window_view(padded, 3), axis=1)
     return residual_rad_s - middle[: residual_rad_s.size], residual_rad_s - middle[4:]
+
+
+def _beside_neighbours(residual_rad_s: Array) -> Array:
+    """How far each row is from those before or those after, whichever are nearer, (N,)."""
+    before, after = apart(residual_rad_s)
+    return np.where(np.abs(before) < np.abs(after), before, after)
 
 
 def _alone(residual: Array, least: Array) -> Mask:

@@ -188,6 +188,20 @@ def test_a_drag_at_one_speed_is_no_scatter(
         assert leaves_scatter(_problem(run, model), [loss]) is scattered
 
 
+@pytest.mark.parametrize("named", [True, False])
+def test_what_else_is_named_is_no_scatter_against_the_loss(
+    model: HammersteinModel, named: bool
+) -> None:
+    faster = applied("speed_scale", "", scale_error=0.02)
+    record = _dwelling(faster)
+    top_rad_s = float(np.max(np.abs(record.speed_rad_s)))
+    lines = 0.12
+    loss = {"share_lost": 4.0 * lines * COUNT_RAD_S / top_rad_s, "above_rad_s": 0.93 * top_rad_s}
+    problem = _problem(_swallowed(record, lines), model)
+    effects = [Applied(LOST, loss), *([faster] if named else [])]
+    assert leaves_scatter(problem, effects) == named
+
+
 @pytest.mark.parametrize(("lost", "scattered"), [((3, 0.2), True), ((1, 0.0), False)])
 def test_a_scatter_not_much_larger_than_the_noise_is_one(
     model: HammersteinModel, lost: tuple[int, float], scattered: bool

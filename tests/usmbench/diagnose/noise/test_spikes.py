@@ -69,11 +69,12 @@ def test_false_counts_are_spikes_also_beside_a_reversal(
     assert _alone(reversing, residual_rad_s) == list(windows)
 
 
+@pytest.mark.parametrize("everywhere_rad_s", [0.0, -1.0])
 @pytest.mark.parametrize(("by_chance", "lag"), [(True, 0), (False, 0), (False, -1)])
 def test_what_every_step_leaves_is_no_exception(
-    reversing: Stretch, by_chance: bool, lag: int
+    reversing: Stretch, by_chance: bool, lag: int, everywhere_rad_s: float
 ) -> None:
-    residual_rad_s = np.random.default_rng(2).normal(0.0, NOISE_RAD_S, N)
+    residual_rad_s = np.random.default_rng(2).normal(everywhere_rad_s, NOISE_RAD_S, N)
     steps = np.array([80, 81, 163, 247] if by_chance else np.arange(20, N, 20))
     struck = steps + lag
     residual_rad_s[struck] -= 20.0 * NOISE_RAD_S * np.sign(reversing.step_rad_s[steps])
@@ -85,12 +86,13 @@ def test_what_every_step_leaves_is_no_exception(
     assert alone[250]
 
 
+@pytest.mark.parametrize("everywhere_rad_s", [0.0, -1.0])
 @pytest.mark.parametrize(
     ("alike", "share", "chance"),
     [(False, 0.01, True), (True, 0.01, False), (False, 0.2, False)],
 )
 def test_exceptions_are_few_and_not_off_as_others_at_like_phases(
-    alike: bool, share: float, chance: bool
+    alike: bool, share: float, chance: bool, everywhere_rad_s: float
 ) -> None:
     rng, n = np.random.default_rng(3), 4000
     phase_deg, t_s = rng.uniform(-90.0, 90.0, n), WINDOW_S * np.arange(1.0, n + 1.0)
@@ -99,7 +101,7 @@ def test_exceptions_are_few_and_not_off_as_others_at_like_phases(
     struck = np.argsort(phase_deg)[-int(share * n) :]
     if not alike:
         struck = rng.choice(n, struck.size, replace=False)
-    off_rad_s, alone = rng.normal(0.0, NOISE_RAD_S, n), np.zeros(n, dtype=np.bool_)
+    off_rad_s, alone = rng.normal(everywhere_rad_s, NOISE_RAD_S, n), np.zeros(n, dtype=np.bool_)
     off_rad_s[struck] -= 1.0
     alone[struck] = True
     assert are_exceptions([stretch], [off_rad_s], [alone], [stretch.use]) == chance
