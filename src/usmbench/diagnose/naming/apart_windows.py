@@ -4,9 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import median_filter
 from scipy.stats import norm
 
-from usmbench.diagnose.cutting.stretches import Mask
+from usmbench.diagnose.cutting.stretches import Mask, Stretch
 from usmbench.diagnose.noise.spikes import PLAIN, apart, runs_on, steady
 from usmbench.diagnose.residual.problem import Problem
 
@@ -15,6 +16,8 @@ Array = NDArray[np.float64]
 # What windows are off by shows in those that do not stand alone, nine in ten; some thousand tell.
 # Nothing measured sets these.
 _ALONE, _DOUBLE, _FEWEST, _ENOUGH = 0.1, 2.0, 40, 4000
+_AROUND = 41  # windows nearest in phase
+_OVER_AWAY = 2.04  # a normal noise over the median of `away_rad_s`
 
 
 def beyond(
@@ -79,6 +82,23 @@ def away_rad_s(residual_rad_s: Array) -> Array:
         What is left of a stretch, shape (N,).
     """
     return np.asarray(np.min(np.abs(apart(residual_rad_s)), axis=0))
+
+
+def scatter_rad_s(stretches: Sequence[Stretch], away: Sequence[Array]) -> list[Array]:
+    """Return the standard deviation of windows at about the phase of each, by stretch, (N,).
+
+    Parameters
+    ----------
+    stretches
+        The stretches.
+    away
+        How far each of their rows is from those beside it, in rad/s, shape (N,).
+    """
+    phase_deg = np.concatenate([s.context.phase_deg for s in stretches])
+    order = np.argsort(phase_deg, kind="stable")
+    around = np.empty(order.size)
+    around[order] = _OVER_AWAY * median_filter(np.concatenate(away)[order], _AROUND)
+    return np.split(around, np.cumsum([s.context.n for s in stretches])[:-1])
 
 
 def _shown(problem: Problem, left: Sequence[Array], calm: Sequence[Mask]) -> Array:

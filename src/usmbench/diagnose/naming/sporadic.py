@@ -9,7 +9,7 @@ from scipy.stats import ks_2samp, poisson
 
 from usmbench.diagnose.cutting.stretches import came_from
 from usmbench.diagnose.evidence import Estimate, NamedCause
-from usmbench.diagnose.naming.apart_windows import beyond
+from usmbench.diagnose.naming.apart_windows import away_rad_s, beyond, scatter_rad_s
 from usmbench.diagnose.naming.ranking import NO_CHANCE, SIGNIFICANT, TELLING
 from usmbench.diagnose.naming.standing_alone import StandingAlone
 from usmbench.diagnose.noise.spikes import apart, are_exceptions, moved_rad_s, steady
@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 _FEWEST = 3
 _TOLD = 2  # healthy runs have one now and then
 _BEYOND = 2.0  # times the highest speed
+_OF_SCATTER = 5.0  # standard deviations of the windows around
 _AS_USUAL = 2.0  # times the rate of the identified runs: their plans differ
 
 
@@ -77,7 +78,7 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
         return None
     if not are_exceptions(problem.stretches, left, alone.plain, alone.calm):
         return None
-    if _strikes_slow_ones(windows):
+    if _strikes_slow_ones(windows) or _among_scatter(problem, left, alone):
         return None
     kinds = [effect for effect in library() if isinstance(effect, SporadicEffect)]
     weighed = [(effect, effect.weigh(windows)) for effect in kinds]
@@ -109,6 +110,14 @@ def _strikes_slow_ones(windows: LoneWindows) -> bool:
     # Its exact way warns where it fails.
     p_value = ks_2samp(struck, fast, alternative="greater", method="asymp").pvalue
     return bool(p_value < NO_CHANCE)
+
+
+def _among_scatter(problem: Problem, left: Sequence[Array], alone: StandingAlone) -> bool:
+    """Whether at the phases of most lone windows the others scatter, too: a phase that trembles."""
+    away = [away_rad_s(r) for r in left]
+    scatter = scatter_rad_s(problem.stretches, away)
+    far = [a[p] > _OF_SCATTER * s[p] for a, s, p in zip(away, scatter, alone.plain, strict=True)]
+    return bool(np.mean(np.concatenate(far)) < 0.5)
 
 
 def _deviance(problem: Problem, left: Sequence[Array], alone: StandingAlone) -> float:

@@ -307,3 +307,17 @@ def test_one_window_beyond_any_motor_is_told(off_rad_s: float, told: bool) -> No
     found = diagnose([replace(record, speed_rad_s=record.speed_rad_s + off)], identified())
     assert found.causes == ()
     assert len([w for w in found.warnings if "stand alone" in w]) == told
+
+
+@pytest.mark.parametrize(("struck", "found"), [(0.1, True), (1.0, False)], ids=["few", "all"])
+def test_where_all_windows_of_a_phase_scatter_none_stands_alone(
+    struck: float, *, found: bool
+) -> None:
+    """As they do where the curve is steep and the phase trembles."""
+    rng = np.random.default_rng(12)
+    phase_deg = 80.0 * np.sin(0.05 * np.arange(4000) * (1.0 + 1e-5 * np.arange(4000)))
+    record = driven(phase_deg, 12)
+    hit = (np.abs(phase_deg - 40.0) < 2.0) & (rng.random(phase_deg.size) < struck)
+    off_rad_s = 10.0 * NOISE_RAD_S * rng.standard_normal(phase_deg.size)
+    problem = judged(replace(record, speed_rad_s=record.speed_rad_s + hit * off_rad_s))
+    assert (find_sporadic(problem, (), 1.0) is not None) == found
