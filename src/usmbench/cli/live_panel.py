@@ -10,6 +10,7 @@ from typing import Final, Self, TextIO
 
 from usmbench.cli.live_curve import BOTH, FALLING, NOW, RISING, LiveCurve
 from usmbench.cli.live_text import Seen, panel_lines
+from usmbench.report.plain_text import printable
 from usmbench.settings.bench import InterlockSettings
 from usmbench.sweep.observer import Standing
 from usmbench.sweep.rows import PairRow, WindowRow
@@ -31,14 +32,14 @@ class LivePanel:
     stream
         Where it goes.
     title
-        What is measured, and where to.
+        What is measured, and where to; a plan's name may be somebody else's.
     limits
         When the drive goes off.
     """
 
     def __init__(self, stream: TextIO, title: str, limits: InterlockSettings):
         self._stream = stream
-        self._title = title
+        self._title = printable(title)
         self._limits = limits
         self._shown = stream.isatty() and os.environ.get("TERM") != "dumb"
         self._colours = {} if os.environ.get("NO_COLOR") else _COLOURS

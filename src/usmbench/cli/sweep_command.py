@@ -15,7 +15,7 @@ from usmbench.cli.same_bench import check_same_bench
 from usmbench.cli.simulated_motor import SimulatedMotor
 from usmbench.cli.sweep_run import sweep_again, sweep_new
 from usmbench.errors import InputError
-from usmbench.report.plain_text import file_name
+from usmbench.report.plain_text import file_name, printable
 from usmbench.runs.columns import RUN_FILE
 from usmbench.runs.meta import read_meta
 from usmbench.runs.output_files import cannot_write
@@ -94,7 +94,8 @@ def run(args: argparse.Namespace) -> int:
     settings = settings_of(args.bench or SIMULATED)
     check_plan(plan, settings)
     if args.dry_run:
-        print("\n".join(describe(plan, settings, interlocks_of(plan, settings))))
+        for line in describe(plan, settings, interlocks_of(plan, settings)):
+            print(printable(line))
         return 0
     folder = args.out or new_run_folder(file_name(plan.name))
     _check_absent(folder)

@@ -202,3 +202,11 @@ def test_colours_are_left_out_where_asked(
         panel.window(ROW, STANDING)
     wait_for(lambda: terminal.text.endswith("\n"))
     assert not re.search(r"\x1b\[[0-9;]*m", terminal.text)
+
+
+def test_a_title_from_a_file_cannot_speak_to_the_terminal(terminal: Terminal, quick: None) -> None:
+    terminal.reader.start()
+    with LivePanel(terminal.stream, "a\x1b[31mplan → runs/one", LIMITS) as panel:
+        panel.window(ROW, STANDING)
+    wait_for(lambda: terminal.text.endswith("\n"))
+    assert "a�[31mplan" in terminal.text

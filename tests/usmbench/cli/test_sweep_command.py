@@ -154,6 +154,15 @@ def test_a_dry_run_opens_nothing(
     assert not Path("runs").exists()
 
 
+def test_a_plan_cannot_speak_to_the_terminal(
+    opened: Opened, plan: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["sweep", str(wrong(plan, name="a\x1b[2Jb")), "--dry-run"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "plan       a�[2Jb"
+    assert all(line.isprintable() for line in lines)
+
+
 def wrong(plan: Path, **keys: object) -> Path:
     plan.write_text(yaml.safe_dump(PLAN | keys))
     return plan
