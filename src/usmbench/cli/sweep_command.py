@@ -106,7 +106,7 @@ def _check_arguments(args: argparse.Namespace) -> None:
     """Refuse arguments that do not go together."""
     if args.resume is not None:
         for name in ("plan", "out", "raw", "seed", "defect", "dry_run"):
-            if getattr(args, name):
+            if _is_given(args, name):
                 shown = "PLAN.yaml" if name == "plan" else f"--{name.replace('_', '-')}"
                 raise InputError(f"--resume takes this from the run: leave {shown} out")
         return
@@ -115,8 +115,14 @@ def _check_arguments(args: argparse.Namespace) -> None:
     if args.bench is None and not args.dry_run:
         raise InputError(f"no bench was named; give --bench BENCH.yaml or --bench {SIMULATED}")
     for name in ("seed", "defect", "model"):
-        if getattr(args, name) not in (None, []) and args.bench != SIMULATED:
+        if _is_given(args, name) and args.bench != SIMULATED:
             raise InputError(f"--{name} is for --bench {SIMULATED}; leave it out")
+
+
+def _is_given(args: argparse.Namespace, name: str) -> bool:
+    value = getattr(args, name)
+    # A seed of 0 is given, and equals False.
+    return value is not None and value is not False and value != []
 
 
 def _check_absent(folder: Path) -> None:

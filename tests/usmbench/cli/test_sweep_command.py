@@ -182,6 +182,8 @@ def wrong(plan: Path, **keys: object) -> Path:
         (["plan.yaml", "--bench", "simulated", "--out", "."], "exists already"),
         (["plan.yaml", "--resume", "out"], "leave PLAN.yaml out"),
         (["--resume", "out", "--dry-run"], "leave --dry-run out"),
+        (["--resume", "out", "--seed", "0"], "leave --seed out"),
+        (["--resume", "out", "--defect", "worn_contact"], "leave --defect out"),
         (["--resume", "nowhere"], "run.yaml"),
         (["plan.yaml", "--bench", "simulated", "--frame-log", "a/b"], "a folder that exists"),
         (["plan.yaml", "--bench", "simulated", "--seed", "x"], "--seed"),
