@@ -11,7 +11,7 @@ from usmbench.cli.bench_session import SIMULATED, open_bench, settings_of
 from usmbench.cli.live_panel import LivePanel
 from usmbench.cli.runs_folder import new_run_folder
 from usmbench.cli.same_bench import another_motor
-from usmbench.cli.simulated_motor import MODEL_FILE, SimulatedMotor
+from usmbench.cli.simulated_motor import MODEL_FILE, SimulatedMotor, last_seed
 from usmbench.cli.sweep_run import sweep_new
 from usmbench.diagnose.experiment.next_experiment import propose
 from usmbench.diagnose.pipeline import diagnose
@@ -143,7 +143,7 @@ def decide(
     model
         The model.
     bench
-        Bench file, or "simulated": there the motor is the one that the first run was measured on.
+        Bench file, or "simulated": there the motor is the one that the runs were measured on.
     budget
         Most experiments.
     runs
@@ -158,14 +158,15 @@ def decide(
     usmbench.errors.BenchError
         The bench failed; likewise.
     """
-    here = first
+    here, latest = first, max((record.meta for record in first.records), key=last_seed)
     for number in range(1, budget + 1):
         proposal = here.diagnosis.next_experiment
         if proposal is None:
             return
         plan = parse_plan(Source("the proposed plan", proposal["plan"]))
         folder = new_run_folder(f"{file_name(plan.name)}-{number}", runs)
-        motor = SimulatedMotor.of_run(here.records[0].meta, later=number)
+        # The noise of a run in hand once more would look like a cause.
+        motor = SimulatedMotor.of_run(latest, later=number)
         _measure(plan, bench, motor, folder)
         driven = (*here.driven, (str(folder), str(proposal["says"])))
         here = replace(judge((*here.records, read_run(folder)), model), driven=driven)

@@ -9,6 +9,19 @@ from usmbench.errors import InputError
 MODEL_FILE = "model_file"
 
 
+def last_seed(meta: Mapping[str, Any]) -> int:
+    """Return the seed of a run's last noise: each time it is taken up it has the next.
+
+    Parameters
+    ----------
+    meta
+        The run's run.yaml.
+    """
+    seed, taken_up = meta.get("seed"), meta.get("resumed")
+    first = seed if isinstance(seed, int) else 0
+    return first + (len(taken_up) if isinstance(taken_up, list) else 0)
+
+
 @dataclass(frozen=True, slots=True)
 class SimulatedMotor:
     """A motor of the embedded testbed.
@@ -52,7 +65,7 @@ class SimulatedMotor:
         meta
             The run's run.yaml.
         later
-            How many runs later: the motor is the same, its noise another.
+            How many noises after the last of the run: the motor is the same.
         model
             Model file that it follows; None for none.
 
@@ -69,7 +82,7 @@ class SimulatedMotor:
         seed, defects = meta.get("seed"), meta.get("defects")
         known = seed if isinstance(seed, int) else None
         return cls(
-            (known or 0) + later if later else known,
+            last_seed(meta) + later if later else known,
             tuple(str(defect) for defect in defects) if isinstance(defects, list) else (),
             model,
         )

@@ -176,12 +176,10 @@ def _resume(args: argparse.Namespace) -> int:
     if isinstance(bench, BenchSettings) and bench.name == SIMULATED:
         bench = SIMULATED
     stop_point(folder)
-    taken_up = meta.get("resumed")
-    later = 1 + (len(taken_up) if isinstance(taken_up, list) else 0)
     # The same noise twice in a run would look like a cause.
     motor = SimulatedMotor()
     if bench == SIMULATED:
-        motor = SimulatedMotor.of_run(meta, later=later, model=args.model)
+        motor = SimulatedMotor.of_run(meta, later=1, model=args.model)
     elif args.model is not None:
         raise InputError(f"--model is for --bench {SIMULATED}; leave it out")
     args.seed, args.defect = motor.seed, motor.defects

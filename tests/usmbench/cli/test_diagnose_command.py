@@ -164,6 +164,21 @@ def test_the_budget_ends_it(
     assert len(bench.plans) == 2
 
 
+def test_an_experiment_has_the_noise_of_no_run_in_hand(
+    late: Judged, tmp_path: Path, bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The same noise twice would look like a cause; a run taken up again has had a further one."""
+    runs = tuple(
+        replace(late.records[0], meta=meta) for meta in ({"seed": 1}, {"seed": 2, "resumed": ["t"]})
+    )
+    first = replace(late, records=runs)
+    monkeypatch.setattr(
+        deciding_runs, "judge", lambda records, model: replace(first, records=tuple(records))
+    )
+    assert len(list(deciding_runs.decide(first, motor(), "simulated", 2, tmp_path / "runs"))) == 2
+    assert [motor.seed for motor in bench.motors] == [4, 5]
+
+
 @pytest.mark.parametrize(
     ("error", "status"), [(KeyboardInterrupt(), 130), (BenchError("the port is gone"), 3)]
 )

@@ -21,6 +21,8 @@ def test_a_run_keeps_its_motor_and_a_later_one_has_other_noise() -> None:
     assert SimulatedMotor.of_run(motor.meta) == motor
     assert SimulatedMotor.of_run(motor.meta, later=2) == SimulatedMotor(5, motor.defects)
     assert SimulatedMotor.of_run({}, later=1) == SimulatedMotor(1)
+    taken_up = {"seed": 3, "resumed": ["2026-01-01", "2026-01-02"]}
+    assert SimulatedMotor.of_run(taken_up, later=1) == SimulatedMotor(6)
 
 
 def test_a_run_keeps_the_model_that_its_motor_followed() -> None:
