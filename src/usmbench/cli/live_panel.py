@@ -9,7 +9,7 @@ from types import TracebackType
 from typing import Final, Self, TextIO
 
 from usmbench.cli.live_curve import BOTH, FALLING, NOW, RISING, LiveCurve
-from usmbench.cli.live_text import Seen, panel_lines
+from usmbench.cli.live_text import LEGEND_ROW, Seen, panel_lines
 from usmbench.report.plain_text import printable
 from usmbench.settings.bench import InterlockSettings
 from usmbench.sweep.observer import Standing
@@ -112,7 +112,8 @@ class LivePanel:
         columns, rows = self._size()
         seen = Seen(row, standing, windows, time.monotonic() - self._begun_s)
         lines = panel_lines(self._title, seen, self._limits, self._curve, columns, rows)
-        text = "\x1b[K\n".join(map(self._coloured, lines)) + "\x1b[K"
+        words, curve = lines[:LEGEND_ROW], lines[LEGEND_ROW:]
+        text = "\x1b[K\n".join([*words, *map(self._coloured, curve)]) + "\x1b[K"
         if standing.waiting_for_load:
             # The operator's question stands one line beneath and stays, with the cursor behind it;
             # what is drawn after the answer begins under it.

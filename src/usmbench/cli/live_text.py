@@ -11,6 +11,7 @@ from usmbench.sweep.rows import WindowRow
 CURVE_ROWS = 15
 CURVE_COLUMNS = 76
 WORDS_ROWS = 5
+LEGEND_ROW = WORDS_ROWS - 1  # what the marks of the curve mean; the curve follows
 # Below this the panel is one line.
 LEAST_ROWS, LEAST_COLUMNS = CURVE_ROWS + WORDS_ROWS + 1, 60
 _NEAR_LIMIT = 0.8

@@ -204,6 +204,19 @@ def test_colours_are_left_out_where_asked(
     assert not re.search(r"\x1b\[[0-9;]*m", terminal.text)
 
 
+def test_marks_are_coloured_in_the_curve_and_not_in_the_words(
+    terminal: Terminal, quick: None
+) -> None:
+    terminal.reader.start()
+    with LivePanel(terminal.stream, "a ▲ plan", LIMITS) as panel:
+        panel.window(ROW, STANDING)
+    wait_for(lambda: terminal.text.endswith("\n"))
+    assert "a ▲ plan\x1b[K" in terminal.text
+    assert "0 N·m" in terminal.text
+    assert "\x1b[36m▲\x1b[0m rising" in terminal.text
+    assert "\x1b[2m·\x1b[0m" in terminal.text
+
+
 def test_a_title_from_a_file_cannot_speak_to_the_terminal(terminal: Terminal, quick: None) -> None:
     terminal.reader.start()
     with LivePanel(terminal.stream, "a\x1b[31mplan → runs/one", LIMITS) as panel:
