@@ -90,12 +90,15 @@ class Signal:
             self._tell(self._untold)
 
     def _tell(self, callbacks: list[Callback]) -> None:
-        self._untold = []
+        untold = []
         for callback in callbacks:
             try:
                 callback(value=self._value, timestamp=self._at_s)
             except RuntimeError:
-                self._untold.append(callback)
+                untold.append(callback)
+        with self._lock:
+            # Who left meanwhile is not told again.
+            self._untold = [callback for callback in untold if callback in self._callbacks]
 
     def get(self) -> float | bool:
         """Return the value."""

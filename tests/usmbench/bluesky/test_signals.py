@@ -46,3 +46,18 @@ def test_who_was_too_busy_to_hear_is_told_again() -> None:
     signal.tell_again()
     signal.tell_again()
     assert heard == [("quick", False), ("slow", False)]
+
+
+def test_who_left_while_being_told_is_not_told_again() -> None:
+    signal = Signal("ready", data_key("interlocks", dtype="boolean"), value=True)
+    heard: list[bool] = []
+
+    def leave(value: bool, timestamp: float) -> None:
+        heard.append(value)
+        signal.clear_sub(leave)
+        raise RuntimeError
+
+    signal.subscribe(leave, run=False)
+    signal.put(value=False, at_s=5.0)
+    signal.tell_again()
+    assert heard == [False]
