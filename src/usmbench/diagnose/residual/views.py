@@ -219,7 +219,7 @@ def _noise_square(problem: Problem, binning: Binning, level: Sequence[Array]) ->
     """Variance of each bin's sum by the noise, whose colour ties rows, in (rad/s)², shape (K,)."""
     noise, square = problem.noise, np.zeros(binning.centre.size)
     colour = autocovariance(noise.ar, noise.innovation, _MEMORY if noise.ar.size else 0)
-    last = int(np.flatnonzero(np.abs(colour) > _FORGOTTEN)[-1])
+    last = int(np.max(np.flatnonzero(np.abs(colour) > _FORGOTTEN), initial=0))
     parts = zip(problem.stretches, binning.index, binning.sign, problem.masks, level, strict=True)
     for stretch, index, sign, mask, sigma in parts:
         at = np.maximum(index, 0)

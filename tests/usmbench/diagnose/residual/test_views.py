@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.diagnose.cutting.stretches import Mask, Stretch
 from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.residual.problem import Problem
@@ -42,3 +42,18 @@ def test_noise_keeps_within_the_band_in_19_of_20_runs(
         outside += sum(view.excess_before > 1.0 for view in views)
         seen += len(views)
     assert 0.02 < outside / seen < 0.09
+
+
+def test_a_noise_of_hardly_any_variance_ties_no_rows(
+    model: HammersteinModel, stretches: list[Stretch]
+) -> None:
+    """A file mended by hand may say so."""
+    rough = estimate_noise(stretches, [s.residual_rad_s for s in stretches], _use(stretches))
+    noise = replace(rough, ar=np.empty(0), innovation=0.05)
+    problem = Problem(stretches, knowledge_of(model), noise, _use(stretches))
+    views = residual_views(problem, problem.residual_rad_s, 1.0)
+    assert all(np.all(view.band_rad_s > 0.0) for view in views)
+
+
+def _use(stretches: list[Stretch]) -> list[Mask]:
+    return [s.use for s in stretches]
