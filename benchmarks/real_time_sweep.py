@@ -54,7 +54,7 @@ def panel_on_a_terminal(plan: Plan, settings: BenchSettings) -> Iterator[LivePan
         LivePanel(stream, plan.name, interlocks_of(plan, settings)) as panel,
     ):
         yield panel
-    reader.join()
+    reader.join(5.0)
     os.close(master)
 
 

@@ -50,13 +50,20 @@ class SimulatedTestbed:
         reader = threading.Thread(target=self._read_lines, name="hil_sim output", daemon=True)
         reader.start()
         self._reader = reader
-        address = self._next_reply(START_TIMEOUT_S)
-        self.port = str(address["port"])
-        self.daq_address = str(address["daq"])
+        try:
+            address = self._next_reply(START_TIMEOUT_S)
+            self.port = str(address["port"])
+            self.daq_address = str(address["daq"])
+        except BaseException:
+            process.kill()
+            self.stop()
+            raise
 
     def _read_lines(self) -> None:
-        for line in self._output:
-            self._lines.put(line)
+        # Closed here: anybody else would wait for a child of the process that holds it.
+        with self._output:
+            for line in self._output:
+                self._lines.put(line)
         self._lines.put("")
 
     def _next_reply(self, timeout_s: float) -> dict[str, Any]:
@@ -116,7 +123,6 @@ class SimulatedTestbed:
                 continue
             break
         self._reader.join(STOP_TIMEOUT_S)
-        self._output.close()
 
 
 @contextmanager
@@ -146,16 +152,11 @@ def start_testbed(arguments: Sequence[str]) -> Iterator[SimulatedTestbed]:
             text=True,
             start_new_session=True,
         )
-        testbed: SimulatedTestbed | None = None
+        testbed = SimulatedTestbed(process, messages)
         try:
-            testbed = SimulatedTestbed(process, messages)
             yield testbed
         finally:
-            if testbed is not None:
-                testbed.stop()
-            else:
-                process.kill()
-                process.communicate()
+            testbed.stop()
 
 
 def simulated_settings(base: BenchSettings, port: str, daq_address: str) -> BenchSettings:

@@ -4,11 +4,13 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
 import pytest
 
+from usmbench.cli import simulated_bench
 from usmbench.cli.main import main
 from usmbench.cli.simulated_bench import start_testbed
 from usmbench.errors import BenchError, InputError
@@ -107,6 +109,30 @@ def test_a_testbed_that_cannot_start_says_why(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr("sys.executable", "/bin/false")
     with pytest.raises(BenchError, match="ended with status 1"), start_testbed([]):
         pass
+
+
+def test_a_testbed_that_cannot_start_holds_nobody_though_its_child_lives_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fifo, fake = tmp_path / "fifo", tmp_path / "python"
+    os.mkfifo(fifo)
+    fake.write_text(f"#!/bin/sh\n(read released < '{fifo}') &\n")
+    fake.chmod(0o700)
+    monkeypatch.setattr("sys.executable", str(fake))
+    monkeypatch.setattr(simulated_bench, "START_TIMEOUT_S", 0.5)
+    monkeypatch.setattr(simulated_bench, "STOP_TIMEOUT_S", 0.2)
+    release = os.open(fifo, os.O_RDWR)
+    in_the_end = threading.Timer(20.0, os.write, (release, b"\n"))
+    in_the_end.start()
+    with pytest.raises(BenchError, match="ended with status 0"), start_testbed([]):
+        pass
+    assert in_the_end.is_alive(), "who started it waited for the child's end"
+    in_the_end.cancel()
+    os.write(release, b"\n")
+    for thread in threading.enumerate():
+        if thread.name == "hil_sim output":
+            thread.join(5.0)
+    os.close(release)
 
 
 def test_the_load_of_the_plan_reaches_the_motor(tmp_path: Path) -> None:
