@@ -15,6 +15,7 @@ import json
 import sys
 import tempfile
 from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
 from zlib import crc32
@@ -175,9 +176,9 @@ def main(argv: list[str] | None = None) -> int:
     causes, strengths = (*CAUSES, OUTSIDE)[:n_causes], _TIMES_NOISE[:n_strengths]
     wanted = [(c, s, k) for s in strengths for c in causes for k in range(draws)]
     wanted += [(NOTHING, strengths[0], k) for k in range(_HEALTHY * draws)]
-    with get_context("spawn").Pool() as pool:
-        jobs = [pool.apply_async(draw, (arguments.seed, k, c, s)) for c, s, k in wanted]
-        outcomes = [job.get() for job in jobs]
+    with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
+        jobs = [pool.submit(draw, arguments.seed, k, c, s) for c, s, k in wanted]
+        outcomes = [job.result() for job in jobs]
     report(outcomes)
     if arguments.wrong:
         print(*(outcome for outcome in outcomes if not outcome.right), sep="\n")
