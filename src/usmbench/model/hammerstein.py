@@ -94,7 +94,7 @@ class LinearPart:
         Coefficients b_0 … b_nb, shape (n_b + 1,).
     dead_time_windows
         Whole windows D between a command and its first effect. What is left of the true dead
-        time, a part of a window, is in b: see `usmbench.model.linear.continuous_time`.
+        time, a part of a window, is in b: see `usmbench.model.linear.dead_time_s`.
     window_s
         Time from one sample to the next; None where the samples are settled pairs, which have
         no time step of their own.
