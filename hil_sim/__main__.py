@@ -18,9 +18,9 @@ from hil_sim.gpsim_bridge import GpsimBridge
 from hil_sim.plant import MotorPlant, PlantParameters
 from hil_sim.running import RunningTestbed
 from hil_sim.testbed import BoardMachine, FaultablePlant
-from usmbench.cli.output import complain
 from usmbench.errors import BenchError, InputError, UsmbenchError
 from usmbench.one_line_parser import OneLineParser
+from usmbench.output import complain
 
 # The pseudo-terminal's thread must get its turn within a byte's time, whatever the others compute.
 _SWITCH_INTERVAL_S: Final = 100e-6

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from usmbench.cli.json_output import write_json
-from usmbench.cli.output import warn
 from usmbench.cli.plot_argument import add_plot_argument
 from usmbench.errors import InputError
+from usmbench.output import warn
 from usmbench.report.plain_text import printable
 from usmbench.report.plot_format import plot_format
 from usmbench.runs.check_record import changed_since_closed

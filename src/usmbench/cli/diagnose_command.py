@@ -12,13 +12,13 @@ from usmbench.cli.diagnosis_lines import diagnosis_lines
 from usmbench.cli.each_run import Entry, diagnose_each, each_table, each_warnings
 from usmbench.cli.executors import all_cores, cluster
 from usmbench.cli.json_output import write_json
-from usmbench.cli.output import complain, warn
 from usmbench.cli.runs_folder import RUNS_FOLDER
 from usmbench.diagnose.result import Diagnosis
 from usmbench.errors import InputError
 from usmbench.model.effects.registry import library
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.model_file import read_model, write_model
+from usmbench.output import complain, warn
 from usmbench.runs.output_files import write_output
 from usmbench.runs.output_paths import check_outputs
 from usmbench.runs.reader import read_run

@@ -3,9 +3,9 @@
 import argparse
 from pathlib import Path
 
-from usmbench.cli.output import warn
 from usmbench.errors import InputError
 from usmbench.model.run_files import WRITERS
+from usmbench.output import warn
 from usmbench.runs.check_record import changed_since_closed
 from usmbench.runs.output_paths import check_outputs
 from usmbench.runs.reader import read_run

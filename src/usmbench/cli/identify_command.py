@@ -5,13 +5,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from usmbench.cli.json_output import write_json
-from usmbench.cli.output import warn
 from usmbench.diagnose.reference import with_knowledge
 from usmbench.errors import InputError
 from usmbench.identify.fast import FastOptions, identify_fast
 from usmbench.identify.paper import PaperOptions, identify_paper
 from usmbench.identify.result import Identification
 from usmbench.model.model_file import write_model
+from usmbench.output import warn
 from usmbench.report.identification_table import identification_table
 from usmbench.report.search_trace import write_trace
 from usmbench.runs.output_paths import check_outputs

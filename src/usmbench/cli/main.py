@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import NoReturn
 
 from usmbench import __version__
-from usmbench.cli.output import complain, drop_output
 from usmbench.errors import InputError, UsmbenchError
 from usmbench.one_line_parser import OneLineParser
+from usmbench.output import complain, drop_output
 
 STOPPED_BY_USER = 130
 

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from usmbench.cli.json_output import write_json
-from usmbench.cli.output import warn
 from usmbench.errors import InputError
 from usmbench.model.model_file import read_model
 from usmbench.model.replay import Replay, replay_record
+from usmbench.output import warn
 from usmbench.report.plot_format import plot_format
 from usmbench.runs.output_paths import check_outputs
 from usmbench.runs.reader import read_run

@@ -6,10 +6,10 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from usmbench.cli.json_output import write_json
-from usmbench.cli.output import warn
 from usmbench.cli.runs_folder import RUNS_FOLDER
 from usmbench.cli.text_table import text_table
 from usmbench.errors import InputError
+from usmbench.output import warn
 from usmbench.runs.catalogue import RunSummary, changed_data, find_runs
 from usmbench.runs.condition import parse_condition
 from usmbench.runs.output_paths import check_outputs

@@ -9,12 +9,12 @@ from typing import Any, TextIO
 
 from usmbench.cli.bench_session import SIMULATED, open_bench, settings_of
 from usmbench.cli.live_panel import LivePanel
-from usmbench.cli.output import print_or_drop
 from usmbench.cli.runs_folder import new_run_folder
 from usmbench.cli.same_bench import check_same_bench
 from usmbench.cli.simulated_motor import SimulatedMotor
 from usmbench.cli.sweep_run import sweep_again, sweep_new
 from usmbench.errors import InputError
+from usmbench.output import print_or_drop
 from usmbench.report.plain_text import file_name, printable
 from usmbench.runs.columns import RUN_FILE
 from usmbench.runs.meta import read_meta

@@ -1,4 +1,4 @@
-"""What a command prints: to somebody who may go away, and nothing that a terminal obeys."""
+"""What every program of the bench prints: to who may go away, and nothing a terminal obeys."""
 
 import os
 import sys
