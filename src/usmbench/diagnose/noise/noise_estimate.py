@@ -154,7 +154,7 @@ def noise_as_stated(
     if stated_rad_s <= 0.0:
         return noise
     counts = [s.context.count_rad_s or whole_count_rad_s(s) for s in stretches]
-    counting_rad_s = max((c for c in counts if np.isfinite(c)), default=0.0) / np.sqrt(6.0)
+    counting_rad_s = max(counts, default=0.0) / np.sqrt(6.0)
     most_rad_s = _AS_STATED * float(np.hypot(stated_rad_s, counting_rad_s))
     calm = np.concatenate([noise.calm_rad_s(s)[s.use] for s in stretches])
     least = most_rad_s / max(float(np.sqrt(np.mean(calm**2))), 1e-12)

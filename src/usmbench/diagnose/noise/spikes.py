@@ -114,7 +114,10 @@ def whole_count_rad_s(stretch: Stretch) -> float:
         The stretch.
     """
     speeds = np.unique(np.round(np.abs(stretch.speed_rad_s), _DIGITS))
-    count_rad_s = stretch.context.count_rad_s or float(np.min(np.diff(speeds), initial=np.inf))
+    known_rad_s = stretch.context.count_rad_s
+    if not known_rad_s and speeds.size < 2:
+        return 0.0
+    count_rad_s = known_rad_s or float(np.min(np.diff(speeds)))
     off = speeds / count_rad_s
     return count_rad_s if np.all(np.abs(off - np.rint(off)) < _WHOLE) else 0.0
 
