@@ -55,8 +55,8 @@ class Noise:
     step_rad_s, step_spread_rad_s
         Sizes |s| of a step (rising) and κ at these, shape (LAGS, KINDS, sizes).
     start_rad_s
-        What the edge of the dead zone adds, shape (4,), at speeds half a degree farther out that
-        rise from a 400th to a 20th of the highest.
+        What the edge of the dead zone adds, shape (len(STARTS),), where the speed half a degree
+        farther out is as `STARTS` lists.
     same_again
         Correlation of what the same jump leaves another time, at each lag, shape (LAGS,).
     running_out
