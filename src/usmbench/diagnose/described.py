@@ -19,7 +19,7 @@ from usmbench.diagnose.naming.beside_verdict import said_beside
 from usmbench.diagnose.naming.chance import chancy_of
 from usmbench.diagnose.naming.detectable import smallest_sizes
 from usmbench.diagnose.naming.found import Found
-from usmbench.diagnose.naming.ranking import Ranked, alternatives
+from usmbench.diagnose.naming.ranking import Ranked, alternatives, best_forms
 from usmbench.diagnose.naming.remainder import LOUD, Beyond, describe
 from usmbench.diagnose.naming.sporadic import left_unnamed
 from usmbench.diagnose.residual.problem import Problem
@@ -68,7 +68,7 @@ def described(
     return Diagnosis(
         verdict=held.verdict,
         causes=tuple(_causes(held)),
-        candidates=tuple(_candidate(r, found) for r in _best_forms(found.ranked)),
+        candidates=tuple(_candidate(r, found) for r in best_forms(found.ranked)),
         not_testable=refused,
         rmse_simulation_rad_s=gain.rmse_simulation_rad_s,
         rmse_extended_rad_s=gain.rmse_extended_rad_s,
@@ -189,14 +189,6 @@ def _estimates(applied: Applied, ranges: dict[str, tuple[float, float]]) -> tupl
         low, high = ranges.get(p.name, (p.low, p.high))
         found.append(Estimate(p.name, value, min(low, value), max(high, value), p.unit, p.what))
     return tuple(found)
-
-
-def _best_forms(ranked: Sequence[Ranked]) -> list[Ranked]:
-    """Keep the best form of every cause."""
-    best: dict[str, Ranked] = {}
-    for r in ranked:
-        best.setdefault(r.effect.name, r)
-    return list(best.values())
 
 
 def _candidate(r: Ranked, found: Found) -> Candidate:

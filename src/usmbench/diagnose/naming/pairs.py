@@ -7,7 +7,7 @@ offset and teeth that lean against it hold, alone, on no block that a fit has no
 teeth lean with it, a weight is nearly the same as the two.
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import product
 
 import numpy as np
@@ -22,6 +22,7 @@ from usmbench.diagnose.naming.ranking import (
     Ranked,
     alternatives,
     begun_with,
+    best_forms,
     rank,
 )
 from usmbench.diagnose.naming.roughly_beside import roughly_together
@@ -67,7 +68,7 @@ def hidden_pair(
     free = [e for e in effects if e.name not in taken]
     if len({e.name for e in free}) < 2:
         return None
-    lead, *rivals = _best_forms(ranked, taken)
+    lead, *rivals = best_forms(ranked, taken)
     pairs = [_led_by(problem, lead, free, spread)]
     if named is None:
         pairs += [_fitted(problem, *pair) for pair in _jagged_and_smooth(ranked)]
@@ -116,15 +117,6 @@ def _led_by(problem: Problem, lead: Ranked, effects: Sequence[Effect], spread: f
     return refine_widely(problem, rank(problem, others, spread, first)[0].fit)
 
 
-def _best_forms(ranked: Sequence[Ranked], taken: Collection[str]) -> list[Ranked]:
-    """Return the best form of each cause, the best first, but for those taken."""
-    forms: dict[str, Ranked] = {}
-    for r in ranked:
-        if r.effect.name not in taken:
-            forms.setdefault(r.effect.name, r)
-    return list(forms.values())
-
-
 def _jagged_and_smooth(ranked: Sequence[Ranked]) -> Iterator[tuple[Effect, Effect]]:
     """Yield the forms of a clear jagged cause with each smooth one that may hide it.
 
@@ -134,7 +126,7 @@ def _jagged_and_smooth(ranked: Sequence[Ranked]) -> Iterator[tuple[Effect, Effec
     jagged = [r for r in ranked if r.effect.jagged]
     clear = {r.effect.name for r in jagged if r.p_value < SIGNIFICANT}
     smooth = [r for r in ranked if _has_only_sizes(r.effect)]
-    best = {r.effect for r in _best_forms(smooth, ())[:_SMOOTH]}
+    best = {r.effect for r in best_forms(smooth)[:_SMOOTH]}
     for one, other in product(jagged, smooth):
         alike = other.effect.stage == one.effect.stage or other.effect in best
         if one.effect.name in clear and alike:

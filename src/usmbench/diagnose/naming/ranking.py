@@ -1,7 +1,7 @@
 """Which causes to name: the library weighed against the whitened residual."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -176,6 +176,23 @@ def undecided(ranked: Sequence[Ranked]) -> bool:
         The candidates, best first.
     """
     return len(alternatives(ranked)) > _MOST_ALTERNATIVES and ranked[0].p_value > NO_CHANCE
+
+
+def best_forms(ranked: Sequence[Ranked], taken: Collection[str] = ()) -> list[Ranked]:
+    """Return the best form of each cause, the best first.
+
+    Parameters
+    ----------
+    ranked
+        The candidates, best first.
+    taken
+        Causes to leave out.
+    """
+    forms: dict[str, Ranked] = {}
+    for r in ranked:
+        if r.effect.name not in taken:
+            forms.setdefault(r.effect.name, r)
+    return list(forms.values())
 
 
 def nearest(ranked: Sequence[Ranked]) -> list[Ranked]:
