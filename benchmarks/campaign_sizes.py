@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.campaign_runs import COUNT_RAD_S
+from usmbench.identify.robust_fit import OVER_MEDIAN
 
 Array = NDArray[np.float64]
 
@@ -40,7 +41,7 @@ def not_far_out(error: Array) -> NDArray[np.bool_]:
     error
         The error in rad/s, shape (N,).
     """
-    spread_rad_s = 1.4826 * float(np.median(np.abs(error)))
+    spread_rad_s = OVER_MEDIAN * float(np.median(np.abs(error)))
     near: NDArray[np.bool_] = np.abs(error) < _FAR * spread_rad_s
     return near
 

@@ -5,12 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from usmbench.identify.robust_fit import OVER_MEDIAN
 from usmbench.model.polygon import hats
 
 Array = NDArray[np.float64]
 
 _ALONE = 4.0  # usual gaps between phases that set an end apart
-_DEVIATION = 1.4826  # of what is normal, over its median size
 _HELD, _OPEN_END = 8, 0.05  # rows that hold an end of a curve; share of the highest speed
 
 
@@ -81,5 +81,5 @@ def by_chance_rad_s(
         Shape (K,).
     """
     near = np.array([np.array(points) @ hat for hat in hats(rows_deg, np.array(nodes_deg))])
-    scatter_rad_s = _DEVIATION * float(np.median(np.abs(residual_rad_s)))
+    scatter_rad_s = OVER_MEDIAN * float(np.median(np.abs(residual_rad_s)))
     return np.asarray(scatter_rad_s / np.sqrt(np.maximum(near.min(axis=1), 1.0)))
