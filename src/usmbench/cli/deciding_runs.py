@@ -5,8 +5,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import numpy as np
-
 from usmbench.cli.bench_session import SIMULATED, open_bench, settings_of
 from usmbench.cli.live_panel import LivePanel
 from usmbench.cli.runs_folder import new_run_folder
@@ -125,7 +123,7 @@ def _check_simulated(records: Sequence[Record]) -> None:
 
 def _another_bench(record: Record, bench: str, settings: BenchSettings) -> str | None:
     """Say why a bench cannot be the one that measured a run, or return None."""
-    window_s, there_s = float(np.median(record.window_s)), settings.window_s
+    window_s, there_s = record.usual_window_s, settings.window_s
     if not alike(window_s, there_s):
         return f"its windows are {1e3 * window_s:g} ms long, those of {bench} {1e3 * there_s:g} ms"
     return another_motor(record.meta, bench, settings)

@@ -71,7 +71,7 @@ def _lines(record: Record, plot: Path) -> list[tuple[str, str]]:
     lines += [(key, str(said[key])) for key in _META if said.get(key) is not None]
     if isinstance(plan, dict) and plan.get("name") is not None:
         lines.append(("plan", str(plan["name"])))
-    window_s = float(np.median(record.window_s))
+    window_s = record.usual_window_s
     in_all_s = record.window_s.sum()
     lines.append(("windows", f"{len(speed)} of {1e3 * window_s:.4g} ms, {in_all_s:.2f} s in all"))
     lines.append(("speed", f"{speed.min():.4g} to {speed.max():.4g} rad/s"))

@@ -40,7 +40,7 @@ def from_windows(records: Sequence[Record]) -> Dataset:
         A value that is no number, runs of different motors, encoders or windows, too few
         windows that were driven, or too few phases.
     """
-    window_s = float(np.median(records[0].window_s))
+    window_s = records[0].usual_window_s
     found: list[tuple[Point, Segment]] = []
     runs: list[FittedRun] = []
     warnings = changed_since_closed(records)
@@ -245,7 +245,7 @@ def _known(value: np.float64) -> float | None:
 
 def _check_window(record: Record, first_name: str, window_s: float) -> None:
     """Refuse a run whose windows differ from the first's."""
-    own_s = float(np.median(record.window_s))
+    own_s = record.usual_window_s
     if not alike(own_s, window_s):
         raise InputError(
             f"{record.name} has windows of {1e3 * own_s:g} ms and {first_name} of "

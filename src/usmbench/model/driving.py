@@ -142,4 +142,4 @@ def driving_of(record: Record) -> Driving:
     record
         The run.
     """
-    return driving(record.t_s, float(np.median(record.window_s)), record.driven)
+    return driving(record.t_s, record.usual_window_s, record.driven)

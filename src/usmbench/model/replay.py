@@ -102,7 +102,7 @@ def replay_record(record: Record, model: HammersteinModel) -> Replay:
 def _simulated(record: Record, model: HammersteinModel) -> Iterator[Simulation]:
     """Run the model free over a run's commands, anew after each pause: it does not turn on."""
     angle_rad, driving = middle_angle_rad(record), driving_of(record)
-    paused = stops(record.t_s, float(np.median(record.window_s)), record.driven)
+    paused = stops(record.t_s, record.usual_window_s, record.driven)
     for rows in np.split(np.arange(record.t_s.size), paused):
         part = record.rows(rows)
         yield simulate(
@@ -132,7 +132,7 @@ def middle_angle_rad(record: Record) -> Column:
 
 def _check_windows(record: Record, model: HammersteinModel) -> list[str]:
     """Refuse windows of another length; warn where the model has no time step."""
-    check_windows(record.name, float(np.median(record.window_s)), model.linear)
+    check_windows(record.name, record.usual_window_s, model.linear)
     if model.linear.window_s is None:
         return ["the model was identified on settled pairs: its dynamics have no time step"]
     return []

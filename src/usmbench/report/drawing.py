@@ -4,7 +4,6 @@ import warnings
 from io import BytesIO
 from pathlib import Path
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from usmbench.report.plot_format import plot_format
@@ -25,7 +24,7 @@ def shown_time(record: Record) -> tuple[Column, str]:
     record
         The run. Pauses are left out: a night beside a sweep of a minute would hide it.
     """
-    window_s = float(np.median(record.window_s))
+    window_s = record.usual_window_s
     shown_s = without_pauses_s(record.t_s, window_s)
     paused = bool(record.t_s[-1] - shown_s[-1] > window_s)
     return shown_s, "time without pauses (s)" if paused else "time (s)"

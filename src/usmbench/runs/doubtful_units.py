@@ -25,7 +25,7 @@ def doubtful_units(records: Sequence[Record]) -> list[str]:
 def _doubts(record: Record) -> list[str]:
     """Return what to say of one run."""
     farthest_deg = float(np.max(np.abs(record.phase_deg)))
-    window_s = float(np.median(record.window_s))
+    window_s = record.usual_window_s
     top_rad_s = float(np.max(np.abs(record.speed_rad_s)))
     doubts = []
     if np.unique(record.phase_deg).size > 1 and farthest_deg < _RADIAN_DEG:

@@ -86,6 +86,11 @@ class Record:
     changed: tuple[str, ...] = ()
 
     @property
+    def usual_window_s(self) -> float:
+        """Duration of a window: the median, which neither a pause nor a late row moves."""
+        return float(np.median(self.window_s))
+
+    @property
     def motor(self) -> str | None:
         """Name of the motor; None where run.yaml does not say."""
         return said_motor(self.meta)

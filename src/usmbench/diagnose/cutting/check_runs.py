@@ -38,7 +38,7 @@ def check_run(record: Record, model: HammersteinModel) -> None:
             f"{record.name}: {record.t_s.size} windows say nothing about causes; measure at least "
             f"{FEWEST_WINDOWS}"
         )
-    check_windows(record.name, float(np.median(record.window_s)), model.linear)
+    check_windows(record.name, record.usual_window_s, model.linear)
 
 
 def check_driven(record: Record) -> None:

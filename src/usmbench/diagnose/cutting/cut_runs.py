@@ -75,7 +75,7 @@ def cut_runs(
         check_run(record, model)
     warnings += doubtful_units(records)
     sizes = [record.t_s.size for record in records]
-    jumps = [breaks(record.t_s, float(np.median(record.window_s))) for record in records]
+    jumps = [breaks(record.t_s, record.usual_window_s) for record in records]
     pieces = _pieces(sizes, jumps, min(1.0, _MOST_WINDOWS / sum(sizes)))
     for run, record in enumerate(records):
         warnings += angle_warnings(record)
@@ -85,7 +85,7 @@ def cut_runs(
         )
         outside |= beyond_range(model.points, weights, record.phase_deg)
         check_outside(record, outside, warnings)
-        window_s = float(np.median(record.window_s))
+        window_s = record.usual_window_s
         warm, driven = heating(record, weights, speeds, pieces[run]), driving_of(record)
         paused = stops(record.t_s, window_s, record.driven)
         for rows, (warmed, unsure) in zip(pieces[run], warm, strict=True):

@@ -38,7 +38,7 @@ def heating(
     list of (Array, Array or None)
         `Stretch.warmth` and `Stretch.unsure_warmth` of each piece.
     """
-    window_s, powers = float(np.median(record.window_s)), _powers(record, weights, speeds)
+    window_s, powers = record.usual_window_s, _powers(record, weights, speeds)
     rows = breaks(record.t_s, window_s)
     share = in_gaps(record.t_s, rows, record.driven)
     met = [share * power[rows] for power in powers]

@@ -64,7 +64,7 @@ def range_of(model: HammersteinModel, records: Sequence[Record]) -> Range | None
         low_deg,
         high_deg,
         (edges[0], edges[1]),
-        float(np.median(records[0].window_s)),
+        records[0].usual_window_s,
         frequencies_hz,
         _known((p.torque_nm for p in points), [r.torque_nm for r in records]) or (0.0,),
     )

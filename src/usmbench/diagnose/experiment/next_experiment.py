@@ -153,7 +153,7 @@ class _Design:
         self._question, self._model = question, model
         self._own = own_effects(model)
         self._known: Knowledge = known_of(model)
-        self.window_s = float(np.median(records[0].window_s))
+        self.window_s = records[0].usual_window_s
         stretches, _ = cut_beside_own(records, model)
         self._stretches = first_windows(stretches, _MOST_WINDOWS)
         effects = (*(rival for rival in question.rivals[:1] if rival), *question.given)
