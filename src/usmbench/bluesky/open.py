@@ -11,10 +11,8 @@ from usmbench.bluesky.signals import Signal
 from usmbench.cli.bench_session import Bench, open_bench
 from usmbench.instruments.drive_limits import DriveLimits
 from usmbench.settings.bench import BenchSettings
-from usmbench.settings.plan import DwellSettings
+from usmbench.settings.plan import USUAL_FREQUENCY_HZ, DwellSettings
 from usmbench.sweep.drive import Setting
-
-FREQUENCY_HZ = 41_000.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +54,7 @@ class Devices:
 def open_devices(
     bench: str | BenchSettings,
     *,
-    frequency_hz: float = FREQUENCY_HZ,
+    frequency_hz: float = USUAL_FREQUENCY_HZ,
     torque_nm: float = 0.0,
     dwell: DwellSettings | None = None,
     testbed_arguments: Sequence[str] = (),
@@ -94,7 +92,7 @@ def open_devices(
 def devices_of(
     bench: Bench,
     *,
-    frequency_hz: float = FREQUENCY_HZ,
+    frequency_hz: float = USUAL_FREQUENCY_HZ,
     torque_nm: float = 0.0,
     dwell: DwellSettings | None = None,
 ) -> Iterator[Devices]:

@@ -8,13 +8,11 @@ from numpy.typing import NDArray
 from usmbench.errors import InputError
 from usmbench.runs.dwells import directions
 from usmbench.runs.record import Column, Record
-from usmbench.settings.plan import Settle
+from usmbench.settings.plan import USUAL_FREQUENCY_HZ, Settle
 from usmbench.settings.plan_file import operator_sets_load
 from usmbench.sweep.schedule import HOLD_SETTLE, WARM_UP, Dwell
 
-# A run without these columns was driven as the paper's first figure was.
-DEFAULT_FREQUENCY_HZ = 41_000.0
-DEFAULT_TORQUE_NM = 0.0
+DEFAULT_TORQUE_NM = 0.0  # of a run without the column
 
 
 def recorded_dwells(record: Record, window_s: float) -> list[Dwell]:
@@ -49,7 +47,7 @@ def recorded_dwells(record: Record, window_s: float) -> list[Dwell]:
                 number=len(dwells) if sweep >= 0 else WARM_UP,
                 sweep=sweep,
                 phase_deg=float(record.phase_deg[first]),
-                frequency_hz=_at(record.frequency_hz, first, DEFAULT_FREQUENCY_HZ),
+                frequency_hz=_at(record.frequency_hz, first, USUAL_FREQUENCY_HZ),
                 torque_nm=_at(record.torque_nm, first, DEFAULT_TORQUE_NM),
                 direction=int(direction),
                 windows=windows,

@@ -10,13 +10,13 @@ import numpy as np
 from usmbench.errors import BenchError
 from usmbench.instruments.samples import SampleBlock, SampleSource
 from usmbench.settings.bench import BenchSettings
+from usmbench.settings.plan import USUAL_FREQUENCY_HZ
 from usmbench.sweep.controller import Instruments, SweepController
 from usmbench.sweep.drive import DriveControl
 from usmbench.sweep.operator import Operator
 from usmbench.sweep.rows import PairRow, WindowRow
 from usmbench.sweep.schedule import Dwell
 
-FREQUENCY_HZ: Final = 41_000.0
 # Slow first, so that an encoder with half the lines does not trip the over-speed interlock; the
 # last is where a motor must turn if it turns at all.
 PHASES_DEG: Final = (30.0, 60.0, 90.0)
@@ -163,7 +163,7 @@ def drive_shortly(
 def _dwells(seen: Seen, bench: BenchSettings) -> Iterator[Dwell]:
     """Yield dwells each way until the index has shown whole revolutions, or time is up."""
     low_hz, high_hz = bench.generator.frequency_limits_hz
-    frequency_hz = min(max(FREQUENCY_HZ, low_hz), high_hz)
+    frequency_hz = min(max(USUAL_FREQUENCY_HZ, low_hz), high_hz)
     windows = max(2, round(_DWELL_S / bench.window_s))
     dwell_s = windows * bench.window_s
     number = 0

@@ -1,11 +1,14 @@
 """The plan: what a sweep drives."""
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Final, Literal
 
 from usmbench.settings.yaml_source import Source
 
 Direction = Literal["rising", "falling", "both", "as_listed"]
+
+# Where nobody names a frequency: that of the paper's first figure.
+USUAL_FREQUENCY_HZ: Final = 41_000.0
 
 
 @dataclass(frozen=True, slots=True)
