@@ -27,7 +27,7 @@ from usmbench.bluesky.signals import data_key
 from usmbench.errors import InputError
 from usmbench.runs.columns import FORMAT, PAIRS_FILE, WINDOWS_FILE
 from usmbench.runs.csv_table import Table, Values, read_table
-from usmbench.runs.meta import read_meta, said_motor
+from usmbench.runs.meta import iso, read_meta, said_motor
 from usmbench.runs.record_folder import write_folder
 
 Document = tuple[str, dict[str, Any]]
@@ -182,13 +182,13 @@ def _meta(start: Mapping[str, Any], stop: Mapping[str, Any]) -> dict[str, Any]:
     meta: dict[str, Any] = {
         "format": FORMAT,
         "id": str(start["uid"]),
-        "started": _iso(float(start["time"])),
+        "started": iso(_moment(float(start["time"]))),
         "software": f"bluesky plan {start.get('plan_name', 'unknown')}",
     }
     if stop:
         names: dict[str, str] = {status: outcome for outcome, status in _EXITS.items()}
         reason = f"failed: {stop.get('reason') or 'unknown'}"
-        meta["stopped"] = _iso(float(stop["time"]))
+        meta["stopped"] = iso(_moment(float(stop["time"])))
         meta["exit"] = names.get(str(stop["exit_status"]), reason)
     return meta
 
@@ -215,5 +215,5 @@ def _epoch_s(started: object) -> float:
         return 0.0
 
 
-def _iso(time_s: float) -> str:
-    return datetime.fromtimestamp(time_s).astimezone().isoformat(timespec="milliseconds")
+def _moment(time_s: float) -> datetime:
+    return datetime.fromtimestamp(time_s).astimezone()

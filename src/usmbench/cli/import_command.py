@@ -1,7 +1,6 @@
 """``usmbench import``: somebody else's CSV or .mat as a run folder."""
 
 import argparse
-import secrets
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -9,7 +8,7 @@ from typing import Any
 from usmbench import __version__
 from usmbench.runs.columns import FORMAT
 from usmbench.runs.foreign_run import read_foreign
-from usmbench.runs.meta import now_iso, sha256_of
+from usmbench.runs.meta import iso, new_id, now_iso, sha256_of
 from usmbench.runs.record_folder import write_record
 from usmbench.settings.import_mapping import ImportMapping, load_mapping
 
@@ -59,8 +58,8 @@ def _meta(file: Path, mapping: ImportMapping) -> dict[str, Any]:
     document = mapping.source.document
     return {
         "format": FORMAT,
-        "id": f"{written:%Y%m%dT%H%M%S}-{secrets.token_hex(4)}",
-        "started": written.isoformat(timespec="milliseconds"),
+        "id": new_id(written),
+        "started": iso(written),
         "software": f"usmbench {__version__}",
         "motor": document.get("motor", "unknown"),
         "encoder": document.get("encoder", {}),
@@ -70,6 +69,6 @@ def _meta(file: Path, mapping: ImportMapping) -> dict[str, Any]:
             "at": now_iso(),
             "mapping": document,
         },
-        "stopped": written.isoformat(timespec="milliseconds"),
+        "stopped": iso(written),
         "exit": "completed",
     }

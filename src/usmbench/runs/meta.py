@@ -1,6 +1,7 @@
 """run.yaml and the check sums in it."""
 
 import hashlib
+import secrets
 from collections.abc import Mapping
 from datetime import datetime
 from pathlib import Path
@@ -15,9 +16,31 @@ _TELLS_MOTOR = ("name", "maker", "type", "model", "serial", "serial_number", "id
 _MOST_BYTES = 10_000_000  # users may keep much beside what the run says
 
 
+def iso(moment: datetime) -> str:
+    """Return a moment as run.yaml writes it: ISO 8601.
+
+    Parameters
+    ----------
+    moment
+        The moment, with its zone.
+    """
+    return moment.isoformat(timespec="milliseconds")
+
+
 def now_iso() -> str:
-    """Return the time of day as run.yaml writes it: ISO 8601 with zone."""
-    return datetime.now().astimezone().isoformat(timespec="milliseconds")
+    """Return what time it is, as run.yaml writes it."""
+    return iso(datetime.now().astimezone())
+
+
+def new_id(moment: datetime) -> str:
+    """Return the id of a run, which no other run has.
+
+    Parameters
+    ----------
+    moment
+        When the run began.
+    """
+    return f"{moment:%Y%m%dT%H%M%S}-{secrets.token_hex(4)}"
 
 
 def sha256_of(path: Path) -> str:

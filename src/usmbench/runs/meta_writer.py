@@ -1,6 +1,5 @@
 """run.yaml while a run is measured: begun, taken up again, closed."""
 
-import secrets
 from collections.abc import Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
@@ -12,7 +11,7 @@ from usmbench import __version__
 from usmbench.errors import InputError
 from usmbench.runs.columns import FORMAT, RUN_FILE
 from usmbench.runs.files import disk_error, replace_file
-from usmbench.runs.meta import now_iso, read_meta, sha256_of
+from usmbench.runs.meta import iso, new_id, now_iso, read_meta, sha256_of
 from usmbench.runs.stop_request import forget_stop_request
 
 # Given back before run.yaml is closed, so that a full disk can still be told about.
@@ -32,8 +31,8 @@ def new_meta(meta: Mapping[str, Any]) -> dict[str, Any]:
     started = datetime.now().astimezone()
     head = {
         "format": FORMAT,
-        "id": f"{started:%Y%m%dT%H%M%S}-{secrets.token_hex(4)}",
-        "started": started.isoformat(timespec="milliseconds"),
+        "id": new_id(started),
+        "started": iso(started),
         "software": f"usmbench {__version__}",
     }
     return head | dict(meta)
