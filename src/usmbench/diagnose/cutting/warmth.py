@@ -9,8 +9,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
+from usmbench.model.lagged import lagged
 from usmbench.runs.time_step import breaks
 
 Array = NDArray[np.float64]
@@ -83,6 +83,6 @@ def _through(
     for rows, in_gap in zip(parts, before, strict=True):
         gap_s = max(float(t_s[rows[0]]) - window_s - last_s, 0.0)
         warm = in_gap + (warm - in_gap) * np.exp(-gap_s / constant_s)
-        response, _ = lfilter([1.0 - kept], [1.0, -kept], power[rows], zi=[kept * warm])
+        response = lagged(power[rows], kept, warm)
         yield response
         warm, last_s = float(response[-1]), float(t_s[rows[-1]])

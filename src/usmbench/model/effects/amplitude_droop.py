@@ -10,7 +10,6 @@ from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
-from scipy.signal import lfilter
 
 from usmbench.model.effects.base import Array, Effect, Values
 from usmbench.model.effects.context import Context
@@ -22,6 +21,7 @@ from usmbench.model.effects.weaker_drive import (
     travelling,
     weaker,
 )
+from usmbench.model.lagged import lagged
 
 _MEANING = "The drive voltages give way while the motor delivers power: fast is slower than it was."
 _MEND = "Watch both amplitudes at full speed and at 0°; look at the supply, its cable and fuse."
@@ -127,9 +127,7 @@ def _load(signal: Array, context: Context, values: Values) -> Array:
     load = travelling(signal, context)
     if "store_s" not in values:
         return load
-    kept = np.exp(-context.window_s / values["store_s"])
-    held: Array = lfilter([1.0 - kept], [1.0, -kept], load, zi=np.array([kept * load[0]]))[0]
-    return held
+    return lagged(load, np.exp(-context.window_s / values["store_s"]), load[0])
 
 
 FORMS = (Droop(), SlowDroop(), DroopAlongResonance(), SlowDroopAlongResonance())

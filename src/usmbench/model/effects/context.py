@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from usmbench.model.driving import ALWAYS, Driving
 from usmbench.model.hammerstein import LinearPart
+from usmbench.model.lagged import lagged
 
 Array = NDArray[np.float64]
 
@@ -96,11 +96,9 @@ class Context:
         constant_s
             Time constant of the lag.
         """
-        kept = np.exp(-self.window_s / constant_s)
         before_s = np.maximum(self.t_s[:1] - self.window_s, 0.0)
         before = np.mean(heating) * self.driving.warmed(before_s, constant_s)
-        behind: Array = lfilter([1.0 - kept], [1.0, -kept], heating, zi=kept * before)[0]
-        return behind
+        return lagged(heating, np.exp(-self.window_s / constant_s), float(before[0]))
 
 
 def longest_s(contexts: Sequence[Context]) -> float:

@@ -5,12 +5,12 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
-from scipy.signal import lfilter
 from scipy.special import erf
 
 from usmbench.model.effects.base import Array, Effect, Values
 from usmbench.model.effects.context import Context, highest_settled_rad_s
 from usmbench.model.effects.parameter import Parameter
+from usmbench.model.lagged import lagged
 
 # Shares of the highest speed: what is less may be noise, or a model's ringing.
 _MEASURED_BACKWARDS, _SIMULATED_BACKWARDS = 0.1, 0.3
@@ -161,9 +161,7 @@ class Rectified(UnsignedCounts):
         passed = signal**2 / np.maximum(np.hypot(signal, knee_rad_s) + knee_rad_s, 1e-300)
         if smoothing_s <= 0.0:
             return np.asarray(passed)
-        pole = math.exp(-context.window_s / smoothing_s)
-        smoothed, _ = lfilter([1.0 - pole], [1.0, -pole], passed, zi=[pole * passed[0]])
-        return np.asarray(smoothed)
+        return lagged(passed, math.exp(-context.window_s / smoothing_s), passed[0])
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
         """Return knees up to some times the highest speed, and up to four windows of smoothing.
