@@ -219,7 +219,6 @@ def _traces(problem: Problem, fit: Fit) -> list[Trace]:
             Trace(
                 stretch.name,
                 stretch.context.t_s[rows],
-                stretch.context.phase_deg[rows],
                 stretch.speed_rad_s[rows],
                 stretch.simulated_rad_s[rows],
                 (stretch.simulated_rad_s + change)[rows],

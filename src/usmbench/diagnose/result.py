@@ -55,15 +55,14 @@ class Trace:
     ----------
     name
         The run.
-    t_s, phase_deg
-        Time and commanded phase, shape (K,).
+    t_s
+        Time, shape (K,).
     measured_rad_s, simulated_rad_s, extended_rad_s
         Speeds: measured, of the model as given, of the extended model, shape (K,).
     """
 
     name: str
     t_s: Array
-    phase_deg: Array
     measured_rad_s: Array
     simulated_rad_s: Array
     extended_rad_s: Array

@@ -77,9 +77,7 @@ def make_diagnosis(model: HammersteinModel) -> Make:
             "remainder": Remainder("time", "the residual changes over the run"),
             "minimum_detectable": (Detectable("speed_scale", "scale_error", 0.002, "1"),),
             "views": (view,),
-            "traces": (
-                Trace("measured", t_s, t_s, np.sin(t_s), 0.9 * np.sin(t_s), 0.99 * np.sin(t_s)),
-            ),
+            "traces": (Trace("measured", t_s, np.sin(t_s), 0.9 * np.sin(t_s), 0.99 * np.sin(t_s)),),
             "extended": model,
             "n_windows": 4000,
             "next_experiment": {
