@@ -17,10 +17,11 @@ from pathlib import Path
 from benchmarks.in_process_bench import in_process_bench
 from hil_sim.plant import MotorPlant
 from hil_sim.signals import Drive
-from usmbench.cli.bench_session import SIMULATED, open_bench
+from usmbench.cli.bench_session import open_bench
 from usmbench.cli.sweep_run import sweep_new
 from usmbench.runs.columns import WINDOWS_FILE
 from usmbench.runs.reader import read_run
+from usmbench.settings.bench import SIMULATED
 from usmbench.settings.plan import Plan
 from usmbench.settings.plan_file import load_plan
 

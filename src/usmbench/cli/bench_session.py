@@ -13,11 +13,9 @@ from usmbench.instruments.generator import SignalGenerator
 from usmbench.instruments.nidaq import NiSampleSource
 from usmbench.instruments.samples import SampleSource
 from usmbench.runs.pauses import COOLED_S
-from usmbench.settings.bench import BenchSettings
+from usmbench.settings.bench import SIMULATED, BenchSettings
 from usmbench.settings.bench_file import load_bench
 from usmbench.sweep.operator import Operator, TerminalOperator
-
-SIMULATED = "simulated"
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from usmbench.cli.bench_session import SIMULATED, open_bench, settings_of
+from usmbench.cli.bench_session import open_bench, settings_of
 from usmbench.cli.live_panel import LivePanel
 from usmbench.cli.runs_folder import new_run_folder
 from usmbench.cli.same_bench import another_motor
@@ -20,7 +20,7 @@ from usmbench.report.plain_text import file_name
 from usmbench.runs.reader import read_run
 from usmbench.runs.record import Record
 from usmbench.runs.time_step import alike
-from usmbench.settings.bench import BenchSettings
+from usmbench.settings.bench import SIMULATED, BenchSettings
 from usmbench.settings.plan import Plan
 from usmbench.settings.plan_file import parse_plan
 from usmbench.settings.yaml_source import Source

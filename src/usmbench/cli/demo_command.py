@@ -7,13 +7,13 @@ import shutil
 from pathlib import Path
 from typing import Any
 
-from usmbench.cli.bench_session import SIMULATED
 from usmbench.cli.main import main
 from usmbench.errors import BenchError, InputError
 from usmbench.model.model_file import read_model
 from usmbench.report.numbers_text import percent
 from usmbench.runs.meta import read_meta
 from usmbench.runs.reader import read_run
+from usmbench.settings.bench import SIMULATED
 
 PLAN = "phase-sweep"
 RUNS = ("reference", "measured")

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from dataclasses import asdict
 
-from usmbench.cli.bench_session import SIMULATED
 from usmbench.cli.json_output import write_json
 from usmbench.cli.simulated_bench import SimulatedOperator, simulated_settings, start_testbed
 from usmbench.doctor.examination import examine
@@ -14,7 +13,7 @@ from usmbench.doctor.finding import Finding
 from usmbench.errors import BenchError
 from usmbench.report.plain_text import printable
 from usmbench.runs.output_paths import check_outputs
-from usmbench.settings.bench import BenchSettings
+from usmbench.settings.bench import SIMULATED, BenchSettings
 from usmbench.settings.bench_file import load_bench
 from usmbench.sweep.interrupts import deferred_interrupts
 from usmbench.sweep.operator import Operator, TerminalOperator

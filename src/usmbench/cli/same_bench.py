@@ -4,12 +4,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from usmbench.cli.bench_session import SIMULATED
 from usmbench.cli.sweep_run import encoder_meta
 from usmbench.errors import InputError
 from usmbench.runs.columns import RUN_FILE
 from usmbench.runs.meta import said_motor
-from usmbench.settings.bench import BenchSettings
+from usmbench.settings.bench import SIMULATED, BenchSettings
 
 # What one windows.csv has one of.
 _WINDOWS_OF: Final = {

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import IO, Any
 
 from usmbench.errors import BenchError, InputError, UsmbenchError
-from usmbench.settings.bench import BenchSettings, DaqSettings, GeneratorSettings
+from usmbench.settings.bench import SIMULATED, BenchSettings, DaqSettings, GeneratorSettings
 
 START_TIMEOUT_S = 60.0
 REPLY_TIMEOUT_S = 10.0
@@ -180,7 +180,7 @@ def simulated_settings(base: BenchSettings, port: str, daq_address: str) -> Benc
     generator: GeneratorSettings = replace(
         base.generator, port=port, reply_timeout_s=LOCK_STEP_REPLY_TIMEOUT_S
     )
-    return replace(base, name="simulated", generator=generator, daq=daq)
+    return replace(base, name=SIMULATED, generator=generator, daq=daq)
 
 
 @dataclass(frozen=True, slots=True)

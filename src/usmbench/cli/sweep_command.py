@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TextIO
 
-from usmbench.cli.bench_session import SIMULATED, open_bench, settings_of
+from usmbench.cli.bench_session import open_bench, settings_of
 from usmbench.cli.live_panel import LivePanel
 from usmbench.cli.runs_folder import new_run_folder
 from usmbench.cli.same_bench import check_same_bench
@@ -22,7 +22,7 @@ from usmbench.runs.output_files import cannot_write
 from usmbench.runs.output_paths import check_outputs
 from usmbench.runs.run_lock import check_free
 from usmbench.runs.stop_point import stop_point
-from usmbench.settings.bench import BenchSettings
+from usmbench.settings.bench import SIMULATED, BenchSettings
 from usmbench.settings.bench_file import parse_bench
 from usmbench.settings.plan import Plan
 from usmbench.settings.plan_file import load_plan, parse_plan, shipped_plans

@@ -8,6 +8,7 @@ import numpy as np
 
 from usmbench.errors import InputError
 from usmbench.runs.record import Column, Pairs
+from usmbench.settings.bench import SIMULATED
 
 # Settings that round to the same multiples are the same: the finest step of a plan, above rounding.
 _GRID: Final = {"phase_deg": 0.001, "frequency_hz": 0.1, "torque_nm": 1e-6, "direction": 1.0}
@@ -123,7 +124,7 @@ def differing_keys(
         simulated bench happened to listen.
     """
     benches = [said.get("bench") for said in (first, second)]
-    simulated = all(isinstance(b, dict) and b.get("name") == "simulated" for b in benches)
+    simulated = all(isinstance(b, dict) and b.get("name") == SIMULATED for b in benches)
     passed_over = _BY_CHANCE if simulated else ()
     for key in sorted((first.keys() | second.keys()) - _ALWAYS_DIFFERENT, key=str):
         for found in _differing(str(key), first.get(key), second.get(key)):

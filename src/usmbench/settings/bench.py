@@ -1,7 +1,9 @@
 """The bench: which port, which card, which encoder, and the limits of this lab."""
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Final, Literal
+
+SIMULATED: Final = "simulated"  # the bench whose testbed is a process of our own
 
 
 @dataclass(frozen=True, slots=True)
