@@ -10,7 +10,7 @@ from usmbench.report.diagnosis_tables import candidates_table, plan_text, table
 from usmbench.report.diagnosis_text import escaped
 from usmbench.report.error_text import noise_note, what_is_left
 from usmbench.report.experiment_text import odds_of, why_no_experiment
-from usmbench.report.numbers_text import number, percent, times
+from usmbench.report.numbers_text import number, percent, spelled, times
 
 _MOST_TRACES = 6
 _WITH_CAUSE = "simulation with the cause in it"
@@ -153,7 +153,7 @@ def evidence_section(diagnosis: Diagnosis) -> str:
         What was found.
     """
     refused = "".join(
-        f"<li>{escaped(name.replace('_', ' '))}: {escaped(why)}</li>"
+        f"<li>{escaped(spelled(name))}: {escaped(why)}</li>"
         for name, why in diagnosis.not_testable
     )
     untested = f"<h3>Not testable with these runs</h3><ul>{refused}</ul>" if refused else ""
