@@ -13,8 +13,9 @@ from usmbench.diagnose.known.healthy_runs import HealthyRuns
 from usmbench.diagnose.known.knowledge import Knowledge
 from usmbench.diagnose.known.left_out import covariance_root
 from usmbench.diagnose.known.model_knowledge import with_known
-from usmbench.diagnose.known.wander import ANY, LEAST, wander_of_shares
+from usmbench.diagnose.known.wander import wander_of_shares
 from usmbench.diagnose.known.wander_estimate import measured_wander
+from usmbench.diagnose.known.wander_shares import ANY, LEAST
 from usmbench.diagnose.naming.ranking import rank
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.errors import InputError

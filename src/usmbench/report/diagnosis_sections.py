@@ -153,8 +153,7 @@ def evidence_section(diagnosis: Diagnosis) -> str:
         What was found.
     """
     refused = "".join(
-        f"<li>{escaped(spelled(name))}: {escaped(why)}</li>"
-        for name, why in diagnosis.not_testable
+        f"<li>{escaped(spelled(name))}: {escaped(why)}</li>" for name, why in diagnosis.not_testable
     )
     untested = f"<h3>Not testable with these runs</h3><ul>{refused}</ul>" if refused else ""
     partly = _PARTLY if any(c.misfit for c in diagnosis.candidates) else ""

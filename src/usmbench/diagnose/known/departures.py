@@ -16,7 +16,8 @@ from usmbench.diagnose.known.shapes import (
     speed_share,
     widening_by_share,
 )
-from usmbench.diagnose.known.wander import ANY
+from usmbench.diagnose.known.wander import COLUMNS, WARMS
+from usmbench.diagnose.known.wander_shares import ANY
 from usmbench.model.extended import Applied, extended_run
 from usmbench.model.linear import free_run
 
@@ -52,11 +53,20 @@ def departures(stretch: Stretch, habits: Sequence[Applied], n_constants: int) ->
     gain, held, wider, detuned = changes = _changes(stretch)
     fast = 2.0 * np.minimum(np.abs(share), 1.0) - 1.0
     places = np.column_stack((fast, *stretch.places))
-    tilted = shown(stretch, stretch.settled_rad_s[:, None] * places)
-    sides = (wider, widening_by_share(stretch, np.sign(stretch.context.phase_deg)))
-    apart = (later_rad_s_per_s(stretch), detuned, shown(stretch, stuck), *sides, held)
+    found = {
+        "gain": gain,
+        "gain_tilt": shown(stretch, stretch.settled_rad_s[:, None] * places),
+        "late_s": later_rad_s_per_s(stretch),
+        "resonance": detuned,
+        "stuck_rad_s": shown(stretch, stuck),
+        "wider": wider,
+        "one_sided": widening_by_share(stretch, np.sign(stretch.context.phase_deg)),
+        "held_back_rad_s": held,
+        "habit_share": _stronger(stretch, habits),
+    }
     warms = _warming(stretch, changes, slice(0, n_constants))
-    return np.column_stack((gain, tilted, *apart, *warms, _stronger(stretch, habits)))
+    found |= zip(WARMS, warms, strict=True)
+    return np.column_stack([found[name] for name in COLUMNS])
 
 
 def unwatched_warming(stretch: Stretch, n_known: int, n_lasts: int) -> Array:
@@ -103,12 +113,13 @@ def _changes(stretch: Stretch) -> tuple[Array, Array, Array, Array]:
 def _warming(
     stretch: Stretch, changes: tuple[Array, Array, Array, Array], constants: slice
 ) -> Iterator[Array]:
-    """Yield changes, times how long the motor is driven, through thermal lags, shape (N,) each."""
+    """Yield changes, times how long the motor is driven, through thermal lags, (N, constants)."""
     gain, held, wider, detuned = changes
     # Where it is known, the resonance's move takes friction along.
     friction = held.sum(axis=1) * (stretch.context.detuning_rad_s is None)
     for change in (gain, friction, wider, detuned):
-        yield from change * stretch.warmth[0, constants]
+        # Laid out as the other columns: the last digit of a product goes by it.
+        yield np.ascontiguousarray((change * stretch.warmth[0, constants]).T)
 
 
 def _stronger(stretch: Stretch, habits: Sequence[Applied]) -> Array:

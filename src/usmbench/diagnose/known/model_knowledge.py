@@ -13,7 +13,8 @@ from usmbench.diagnose.known.features import Features
 from usmbench.diagnose.known.knowledge import Knowledge
 from usmbench.diagnose.known.shapes import TABLED, phase_nodes
 from usmbench.diagnose.known.triangle_text import triangle_of, triangle_text
-from usmbench.diagnose.known.wander import LEAST, wander_from_mapping, wander_of_shares
+from usmbench.diagnose.known.wander import wander_from_mapping, wander_of_shares
+from usmbench.diagnose.known.wander_shares import LEAST
 from usmbench.diagnose.noise.noise_model import noise_from_mapping
 from usmbench.errors import CauseError, InputError
 from usmbench.model.extended import applied_effects

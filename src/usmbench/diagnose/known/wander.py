@@ -1,13 +1,15 @@
 """What differs from run to run though nothing is wrong: gain, lag, friction, warm-up, habits."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, replace
+from itertools import islice
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.known.features import Features
+from usmbench.diagnose.known.wander_shares import LEAST, Shares
 
 Array = NDArray[np.float64]
 
@@ -17,61 +19,21 @@ _BEST_GAIN = 2e-4  # no bench repeats better than that
 _WARMS_ALIKE = 0.1  # of the least that one run cannot show
 _RESONANCE = 3e-6  # by which a fifth of a kelvin moves it: no bench starts warmer by less
 
-
-class Shares(NamedTuple):
-    """Standard deviations from run to run, alike at every operating point.
-
-    Parameters
-    ----------
-    gain, tilt, wider, one_sided, warms_gain, warms_wider, warms_shift
-        Shares, as in `Wander`.
-    late_s
-        In s.
-    stuck, held, warms_held
-        What are speeds in `Wander`, as shares of the highest.
-    """
-
-    gain: float
-    tilt: float
-    late_s: float
-    stuck: float
-    wider: float
-    one_sided: float
-    held: float
-    warms_gain: float
-    warms_held: float
-    warms_wider: float
-    warms_shift: float
-
-
-LEAST = Shares(
-    gain=3e-4,
-    tilt=5e-5,
-    late_s=3e-6,
-    stuck=2e-4,
-    wider=1e-3,
-    one_sided=3e-4,
-    held=2e-4,
-    warms_gain=1e-3,
-    warms_held=1e-3,
-    warms_wider=1e-3,
-    warms_shift=2e-5,
+WARMS = ("warms_gain", "warms_held_back_rad_s", "warms_wider", "warms_shift")
+"""What warming changes, with a column for each thermal time constant."""
+COLUMNS = (
+    "gain",
+    "gain_tilt",
+    "late_s",
+    "resonance",
+    "stuck_rad_s",
+    "wider",
+    "one_sided",
+    "held_back_rad_s",
+    *WARMS,
+    "habit_share",
 )
-"""Repeatability that one run cannot show."""
-ANY = Shares(
-    gain=0.05,
-    tilt=0.01,
-    late_s=1e-4,
-    stuck=0.02,
-    wider=0.05,
-    one_sided=0.01,
-    held=0.02,
-    warms_gain=0.01,
-    warms_held=0.01,
-    warms_wider=0.05,
-    warms_shift=2e-4,
-)
-"""What it may be while it is learnt."""
+"""What differs, in the order of the columns of `departures`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,37 +98,42 @@ class Wander:
         return float(np.hypot(self.wider, self.one_sided))
 
     @property
+    def resonance(self) -> float:
+        """Of the resonance as a run begins, as a share, on any bench."""
+        return _RESONANCE
+
+    @property
     def deviations(self) -> Array:
-        """In the order of the columns of `departures`, the resonance's among them, shape (W,)."""
-        shares = (self.gain, *self.gain_tilt)
-        dead_zone = (self.wider, self.one_sided)
-        rest = (self.late_s, _RESONANCE, self.stuck_rad_s, *dead_zone, *self.held_back_rad_s)
-        warms = (self.warms_gain, self.warms_held_back_rad_s, self.warms_wider, self.warms_shift)
-        return np.array([*shares, *rest, *np.repeat(warms, self.n_constants), self.habit_share])
+        """In the order of `COLUMNS`, shape (W,)."""
+        sizes = [size for _, several in self.by_kind() for size in several]
+        return np.repeat(sizes, self._n_columns)
 
     @property
     def kinds(self) -> NDArray[np.int64]:
         """Which of the `deviations` are one and the same, as numbers from 0, shape (W,)."""
-        apart = 6 + len(self.gain_tilt) + len(self.held_back_rad_s)
-        times = np.r_[np.ones(apart, dtype=np.int64), np.full(4, self.n_constants), 1]
-        return np.repeat(np.arange(times.size), times)
+        times = self._n_columns
+        return np.repeat(np.arange(len(times)), times)
+
+    @property
+    def _n_columns(self) -> list[int]:
+        """How many columns each kind has."""
+        return [
+            self.n_constants if name in WARMS else 1
+            for name, several in self.by_kind()
+            for _ in several
+        ]
+
+    def by_kind(self) -> Iterator[tuple[str, tuple[float, ...]]]:
+        """Yield what differs, and the deviation of each kind of it."""
+        for name in COLUMNS:
+            size = getattr(self, name)
+            yield name, size if isinstance(size, tuple) else (size,)
 
     def to_mapping(self) -> dict[str, Any]:
         """Return what the model file keeps."""
         return {
-            "gain": self.gain,
-            "gain_tilt": list(self.gain_tilt),
-            "late_s": self.late_s,
-            "stuck_rad_s": self.stuck_rad_s,
-            "wider": self.wider,
-            "one_sided": self.one_sided,
-            "held_back_rad_s": list(self.held_back_rad_s),
-            "warms_gain": self.warms_gain,
-            "warms_held_back_rad_s": self.warms_held_back_rad_s,
-            "warms_wider": self.warms_wider,
-            "warms_shift": self.warms_shift,
-            "habit_share": self.habit_share,
-            "n_constants": self.n_constants,
+            name: list(size) if isinstance(size, tuple) else size
+            for name, size in asdict(self).items()
         }
 
 
@@ -253,26 +220,10 @@ def wander_of_deviations(deviations: Array, like: Wander) -> Wander:
         A wander with as many of each.
     """
     first = np.unique(like.kinds, return_index=True)[1]
-    ends = 1 + len(like.gain_tilt)
-    gain, *gain_tilt = (float(d) for d in deviations[first[:ends]])
-    late_s, _, stuck_rad_s, wider, one_sided, *held_back = (
-        float(d) for d in deviations[first[ends:-5]]
-    )
-    warms_gain, warms_held, warms_wider, warms_shift, habit_share = (
-        float(d) for d in deviations[first[-5:]]
-    )
-    return Wander(
-        gain,
-        tuple(gain_tilt),
-        late_s,
-        stuck_rad_s,
-        wider,
-        one_sided,
-        tuple(held_back),
-        warms_gain,
-        warms_held,
-        warms_wider,
-        warms_shift,
-        habit_share,
-        like.n_constants,
-    )
+    sizes = iter(deviations[first].tolist())
+    found: dict[str, Any] = {}
+    for name, several in like.by_kind():
+        own = tuple(islice(sizes, len(several)))
+        found[name] = own if isinstance(getattr(like, name), tuple) else own[0]
+    del found["resonance"]
+    return replace(like, **found)
