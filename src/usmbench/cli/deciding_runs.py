@@ -7,7 +7,7 @@ from pathlib import Path
 
 from usmbench.cli.bench_session import open_bench, settings_of
 from usmbench.cli.live_panel import LivePanel
-from usmbench.cli.runs_folder import new_run_folder
+from usmbench.cli.runs_folder import named_at_the_end, new_run_folder
 from usmbench.cli.same_bench import another_motor
 from usmbench.cli.simulated_motor import MODEL_FILE, SimulatedMotor, last_seed
 from usmbench.cli.sweep_run import sweep_new
@@ -177,6 +177,8 @@ def _measure(plan: Plan, bench: str, motor: SimulatedMotor, folder: Path) -> Non
     with (
         deferred_interrupts(),
         open_bench(bench, testbed_arguments=motor.arguments if simulated else ()) as opened,
+        # Standard output may be for the JSON alone.
+        named_at_the_end(folder, sys.stderr),
         LivePanel(
             sys.stderr, f"{plan.name} → {folder}", interlocks_of(plan, opened.settings)
         ) as panel,

@@ -7,7 +7,7 @@ from pathlib import Path
 from usmbench.cli.bench_session import Bench, open_bench
 from usmbench.cli.live_panel import LivePanel
 from usmbench.cli.recorded_commands import operator_set_loads, recorded_dwells
-from usmbench.cli.runs_folder import new_run_folder
+from usmbench.cli.runs_folder import check_absent, named_at_the_end, new_run_folder
 from usmbench.cli.sweep_run import Job, measure, run_meta
 from usmbench.runs.reader import read_run
 from usmbench.runs.record import Record
@@ -21,7 +21,7 @@ from usmbench.sweep.summary import WINDOWS_BEFORE, windows_after
 
 
 def replay_on_bench(args: argparse.Namespace) -> int:
-    """Drive a run's commands again and print the new run folder.
+    """Drive a run's commands again and print the new run folder, however it ends.
 
     Parameters
     ----------
@@ -31,7 +31,8 @@ def replay_on_bench(args: argparse.Namespace) -> int:
     Raises
     ------
     usmbench.errors.InputError
-        The run cannot be read, or asks for more than this bench allows; nothing has moved.
+        The run cannot be read, asks for more than this bench allows, or the folder exists; nothing
+        has moved.
     KeyboardInterrupt
         The user stopped the run; the drive is off and the folder closed.
     usmbench.errors.BenchError
@@ -39,11 +40,14 @@ def replay_on_bench(args: argparse.Namespace) -> int:
     """
     record = read_run(args.recorded)
     folder = args.out or new_run_folder("replay")
+    check_absent(folder)
     with deferred_interrupts(), open_bench(args.bench) as bench:
         title = f"replay of {record.name} → {folder}"
-        with LivePanel(sys.stderr, title, bench.settings.interlocks) as panel:
+        with (
+            named_at_the_end(folder),
+            LivePanel(sys.stderr, title, bench.settings.interlocks) as panel,
+        ):
             drive_again(bench, record, folder, observer=panel)
-    print(folder)
     return 0
 
 

@@ -1,8 +1,14 @@
-"""Where runs go that nobody named a folder for."""
+"""The folder of a run that is to be driven: chosen, free, and named in the end."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
-from typing import Final
+from typing import Final, TextIO
+
+from usmbench.errors import InputError
+from usmbench.output import print_or_drop
+from usmbench.runs.columns import RUN_FILE
 
 RUNS_FOLDER: Final = Path("runs")
 
@@ -18,3 +24,39 @@ def new_run_folder(name: str, folder: Path = RUNS_FOLDER) -> Path:
         The folder of the runs.
     """
     return folder / f"{datetime.now():%Y%m%dT%H%M%S}-{name}"
+
+
+def check_absent(folder: Path) -> None:
+    """Refuse a folder that exists, before a bench is opened for it.
+
+    Parameters
+    ----------
+    folder
+        The folder to make.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        It exists.
+    """
+    if folder.exists():
+        message = "exists already; name another folder, or continue it with --resume"
+        raise InputError(message, file=folder)
+
+
+@contextmanager
+def named_at_the_end(folder: Path, stream: TextIO | None = None) -> Iterator[None]:
+    """Print, however a run ends, where its rows are.
+
+    Parameters
+    ----------
+    folder
+        The run folder; where none was made nothing is printed.
+    stream
+        Where to; None for standard output.
+    """
+    try:
+        yield
+    finally:
+        if (folder / RUN_FILE).exists():
+            print_or_drop(folder, stream)

@@ -9,12 +9,11 @@ from typing import Any, TextIO
 
 from usmbench.cli.bench_session import open_bench, settings_of
 from usmbench.cli.live_panel import LivePanel
-from usmbench.cli.runs_folder import new_run_folder
+from usmbench.cli.runs_folder import check_absent, named_at_the_end, new_run_folder
 from usmbench.cli.same_bench import check_same_bench
 from usmbench.cli.simulated_motor import SimulatedMotor
 from usmbench.cli.sweep_run import sweep_again, sweep_new
 from usmbench.errors import InputError
-from usmbench.output import print_or_drop
 from usmbench.report.plain_text import file_name, printable
 from usmbench.runs.columns import RUN_FILE
 from usmbench.runs.meta import read_meta
@@ -98,7 +97,7 @@ def run(args: argparse.Namespace) -> int:
             print(printable(line))
         return 0
     folder = args.out or new_run_folder(file_name(plan.name))
-    _check_absent(folder)
+    check_absent(folder)
     return _drive(args, args.bench, plan, folder)
 
 
@@ -125,12 +124,6 @@ def _is_given(args: argparse.Namespace, name: str) -> bool:
     return value is not None and value is not False and value != []
 
 
-def _check_absent(folder: Path) -> None:
-    if folder.exists():
-        message = "exists already; name another folder, or continue it with --resume"
-        raise InputError(message, file=folder)
-
-
 def _drive(args: argparse.Namespace, bench: str | BenchSettings, plan: Plan, folder: Path) -> int:
     """Open the bench and drive the plan, anew or again."""
     motor = SimulatedMotor(args.seed, tuple(args.defect), args.model)
@@ -143,7 +136,7 @@ def _drive(args: argparse.Namespace, bench: str | BenchSettings, plan: Plan, fol
         interrupts.check()
         limits = interlocks_of(plan, opened.settings)
         with (
-            _named_at_the_end(folder),
+            named_at_the_end(folder),
             LivePanel(sys.stderr, f"{plan.name} → {folder}", limits) as panel,
         ):
             if args.resume is not None:
@@ -151,16 +144,6 @@ def _drive(args: argparse.Namespace, bench: str | BenchSettings, plan: Plan, fol
             else:
                 sweep_new(opened, plan, folder, raw=args.raw, meta=motor.meta, observer=panel)
     return 0
-
-
-@contextmanager
-def _named_at_the_end(folder: Path) -> Iterator[None]:
-    """Print, however the sweep ends, where the rows are."""
-    try:
-        yield
-    finally:
-        if (folder / RUN_FILE).exists():
-            print_or_drop(folder)
 
 
 def _resume(args: argparse.Namespace) -> int:

@@ -3,8 +3,10 @@
 import json
 import subprocess
 import sys
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -22,6 +24,7 @@ from usmbench.model.model_file import write_model
 from usmbench.model.simulate import simulate
 from usmbench.runs.reader import read_run
 from usmbench.runs.record import Record
+from usmbench.settings.bench import BenchSettings
 from usmbench.settings.plan import Plan
 
 CHECKER = Path(__file__).parents[4] / "shared" / "tools" / "check-contract"
@@ -205,6 +208,28 @@ def test_what_was_found_before_the_bench_failed_is_said_and_written(
     assert json.loads(Path("found.json").read_text())["verdict"] == "explained"
     assert Path("next.yaml").exists()
     assert Path("report.html").exists()
+
+
+def test_the_folder_of_an_experiment_that_was_stopped_is_named_beside_the_json(
+    late: Judged,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def stopped(bench: object, plan: object, folder: Path, **_: object) -> None:
+        folder.mkdir(parents=True)
+        (folder / "run.yaml").write_text("format: usmbench-run/1\n")
+        raise KeyboardInterrupt
+
+    opened = SimpleNamespace(settings=BenchSettings())
+    monkeypatch.setattr(deciding_runs, "open_bench", lambda *_, **__: nullcontext(opened))
+    monkeypatch.setattr(deciding_runs, "sweep_new", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        next(deciding_runs.decide(late, motor(), "simulated", 1, tmp_path / "runs"))
+    (folder,) = (tmp_path / "runs").iterdir()
+    output = capsys.readouterr()
+    assert output.err == f"{folder}\n"
+    assert output.out == ""
 
 
 def test_json_alone_goes_to_standard_output_though_the_bench_failed(

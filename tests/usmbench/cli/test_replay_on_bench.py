@@ -1,12 +1,16 @@
 """A run's commands driven again through board, motor and encoder, in this process."""
 
+from contextlib import nullcontext
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from hil_sim.in_process import InProcessBench
+from usmbench.cli import replay_on_bench
 from usmbench.cli.bench_session import Bench
+from usmbench.cli.main import main
 from usmbench.cli.replay_on_bench import drive_again
 from usmbench.instruments.generator import SignalGenerator
 from usmbench.runs.reader import read_run
@@ -71,3 +75,31 @@ def test_the_operator_is_asked_for_loads_as_the_sweep_asked(
     assert again.torque_nm is not None
     assert again.driven is not None
     assert list(dict.fromkeys(again.torque_nm[again.driven].tolist())) == torques_nm
+
+
+def test_the_folder_is_named_however_the_replay_ends(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run, again = run_of(tmp_path / "run", [0.1], "null"), tmp_path / "again"
+
+    def stopped(bench: Bench, record: object, folder: Path, *, observer: object) -> None:
+        folder.mkdir()
+        (folder / "run.yaml").write_text("format: usmbench-run/1\n")
+        raise KeyboardInterrupt
+
+    bench = SimpleNamespace(settings=BenchSettings())
+    monkeypatch.setattr(replay_on_bench, "open_bench", lambda bench_: nullcontext(bench))
+    monkeypatch.setattr(replay_on_bench, "drive_again", stopped)
+    assert main(["replay", str(run), "--bench", "simulated", "--out", str(again)]) == 130
+    assert capsys.readouterr().out == f"{again}\n"
+
+
+def test_a_folder_that_exists_is_refused_before_the_bench_opens(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = run_of(tmp_path / "run", [0.1], "null")
+    opened: list[str] = []
+    monkeypatch.setattr(replay_on_bench, "open_bench", opened.append)
+    assert main(["replay", str(run), "--bench", "simulated", "--out", str(tmp_path)]) == 2
+    assert "exists already" in capsys.readouterr().err
+    assert opened == []
