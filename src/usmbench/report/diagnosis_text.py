@@ -13,6 +13,7 @@ HEADLINES = {
     "partly_explained": "A cause was found, and something is left",
     "unexplained": "Something is wrong that has no name here",
 }
+_COUNTS = {2: "Two", 3: "Three"}
 
 
 def escaped(text: object) -> str:
@@ -39,9 +40,14 @@ def headline(diagnosis: Diagnosis) -> str:
         The diagnosis.
     """
     open_sets = [1 + len(cause.alternatives) for cause in diagnosis.causes if cause.alternatives]
+    says = HEADLINES[diagnosis.verdict]
+    if len(diagnosis.causes) > 1:
+        n = _COUNTS.get(len(diagnosis.causes), str(len(diagnosis.causes)))
+        says = f"{n} causes were found" + says.partition("was found")[2]
+        return says + (", not all told from others" if open_sets else "")
     if diagnosis.verdict == "explained" and open_sets:
         return f"The cause is one of {open_sets[0]}"
-    return HEADLINES[diagnosis.verdict]
+    return says
 
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
