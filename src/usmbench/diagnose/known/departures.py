@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.cutting.dead_zone import highest_rad_s
+from usmbench.diagnose.cutting.dead_zone import dead_zone_deg, highest_rad_s
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.shapes import (
     detuned_rad_s,
@@ -19,6 +19,7 @@ from usmbench.diagnose.known.shapes import (
 from usmbench.diagnose.known.wander import COLUMNS, WARMS
 from usmbench.diagnose.known.wander_shares import ANY
 from usmbench.model.extended import Applied, extended_run
+from usmbench.model.hammerstein import CREST_DEG
 from usmbench.model.linear import free_run
 
 Array = NDArray[np.float64]
@@ -36,8 +37,9 @@ def departures(stretch: Stretch, habits: Sequence[Applied], n_constants: int) ->
     vibration that frees the rotor. A gain that wanders shows the latter, too: the rotor follows the
     crests but for the slip, so that the gain is off by another share at the highest speed and at
     another frequency or torque. A rotor that sticks may come free at a larger phase, and the dead
-    zone be wider, whatever makes it so. As the motor warms, gain, friction, dead zone and resonance
-    may change otherwise. And what healthy runs show anyhow may be stronger.
+    zone be wider, whatever makes it so, on one side more than on the other, and toward the ends of
+    the curve by another amount. As the motor warms, gain, friction, dead zone and resonance may
+    change otherwise. And what healthy runs show anyhow may be stronger.
 
     Parameters
     ----------
@@ -52,6 +54,8 @@ def departures(stretch: Stretch, habits: Sequence[Applied], n_constants: int) ->
     stuck = -np.sign(share) * np.interp(np.abs(share), _STICKING, (0.0, 1.0, 0.0))
     gain, held, wider, detuned = changes = _changes(stretch)
     fast = 2.0 * np.minimum(np.abs(share), 1.0) - 1.0
+    side, beyond_deg = np.sign(stretch.context.phase_deg), dead_zone_deg(stretch)
+    toward_end = (np.abs(stretch.context.phase_deg) - beyond_deg) / (CREST_DEG - beyond_deg)
     places = np.column_stack((fast, *stretch.places))
     found = {
         "gain": gain,
@@ -61,6 +65,7 @@ def departures(stretch: Stretch, habits: Sequence[Applied], n_constants: int) ->
         "stuck_rad_s": shown(stretch, stuck),
         "wider": wider,
         "one_sided": widening_by_share(stretch, np.sign(stretch.context.phase_deg)),
+        "one_sided_ends": widening_by_share(stretch, side * np.clip(toward_end, 0.0, 1.0)),
         "held_back_rad_s": held,
         "habit_share": _stronger(stretch, habits),
     }

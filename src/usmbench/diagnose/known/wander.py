@@ -29,6 +29,7 @@ COLUMNS = (
     "stuck_rad_s",
     "wider",
     "one_sided",
+    "one_sided_ends",
     "held_back_rad_s",
     *WARMS,
     "habit_share",
@@ -59,6 +60,9 @@ class Wander:
     one_sided
         Of how much more it widens on one side than on the other, as a share: nobody knows its ends
         well enough to say how far a share of each moves them.
+    one_sided_ends
+        Of the same, less and less from ±90° in, and nothing at the edges: with the last one, where
+        the edges move and the curve ends where it did.
     held_back_rad_s
         Of the speed that friction takes near standstill, at each operating point: the edges of the
         dead zone move with it.
@@ -79,6 +83,7 @@ class Wander:
     stuck_rad_s: float
     wider: float
     one_sided: float
+    one_sided_ends: float
     held_back_rad_s: tuple[float, ...]
     warms_gain: float
     warms_held_back_rad_s: float
@@ -152,6 +157,7 @@ def wander_from_mapping(content: Mapping[str, Any]) -> Wander:
         float(content["stuck_rad_s"]),
         float(content["wider"]),
         float(content.get("one_sided", LEAST.one_sided)),
+        float(content.get("one_sided_ends", LEAST.one_sided_ends)),
         tuple(float(held) for held in content["held_back_rad_s"]),
         float(content["warms_gain"]),
         float(content["warms_held_back_rad_s"]),
@@ -180,6 +186,7 @@ def wander_of_shares(shares: Shares, features: Features) -> Wander:
         shares.stuck * top_rad_s,
         shares.wider,
         shares.one_sided,
+        shares.one_sided_ends,
         (shares.held * top_rad_s,) * features.n_points,
         shares.warms_gain,
         shares.warms_held * top_rad_s,

@@ -8,7 +8,7 @@ class Shares(NamedTuple):
 
     Parameters
     ----------
-    gain, tilt, wider, one_sided, warms_gain, warms_wider, warms_shift
+    gain, tilt, wider, one_sided, one_sided_ends, warms_gain, warms_wider, warms_shift
         Shares, as in `Wander`.
     late_s
         In s.
@@ -22,6 +22,7 @@ class Shares(NamedTuple):
     stuck: float
     wider: float
     one_sided: float
+    one_sided_ends: float
     held: float
     warms_gain: float
     warms_held: float
@@ -36,6 +37,7 @@ LEAST = Shares(
     stuck=2e-4,
     wider=1e-3,
     one_sided=3e-4,
+    one_sided_ends=3e-4,
     held=2e-4,
     warms_gain=1e-3,
     warms_held=1e-3,
@@ -50,6 +52,7 @@ ANY = Shares(
     stuck=0.02,
     wider=0.05,
     one_sided=0.01,
+    one_sided_ends=0.01,
     held=0.02,
     warms_gain=0.01,
     warms_held=0.01,

@@ -192,8 +192,10 @@ def _with_the_rest(problem: Problem, effects: Sequence[Effect], found: Named) ->
     if fit.statistic <= alone.statistic or _worse(there, alone, fit):
         return found
     # What the first does below the noise of a window may have passed for another cause.
-    first = First(alone.statistic / found.spread**2, frozenset(alternatives(found.rankings[-1])))
-    if not earns_its_place(problem.with_masks(masks), alone.effects, fit.effects, first, spread):
+    beside = problem.with_masks(masks)
+    evidence = beside.drop(alone.effects) / spread**2
+    first = First(evidence, frozenset(alternatives(found.rankings[-1])))
+    if not earns_its_place(beside, alone.effects, fit.effects, first, spread):
         return found
     both = settled(problem, [found.rankings[-1], *rest.rankings], fit)
     return replace(both, spread=found.spread)

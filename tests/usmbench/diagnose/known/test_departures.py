@@ -44,7 +44,7 @@ def test_friction_takes_most_near_standstill_and_nothing_at_the_top(
     plain: HammersteinModel,
 ) -> None:
     (stretch,), _ = cut_runs([driven(3, 1.0, 1.0)], plain, ())
-    gain, _, tilted, _, _, _, _, _, *held_back = departures(stretch, (), 2).T[:10]
+    gain, _, tilted, _, _, _, _, _, _, *held_back = departures(stretch, (), 2).T[:11]
     np.testing.assert_array_equal(gain, stretch.simulated_rad_s)
     calm, settled = stretch.lag > 8, stretch.settled_rad_s
     np.testing.assert_allclose(tilted[calm], (gain * stretch.places[0])[calm], atol=0.03)
@@ -68,14 +68,16 @@ def test_what_wanders_passes_through_the_lag_as_the_speed_does() -> None:
     phase_deg, t_s = np.repeat(stays_deg, 3), 0.01 * np.arange(1.0, n + 1.0)
     record = Record("run", t_s, phase_deg, np.zeros(n), np.full(n, 0.01))
     (stretch,), _ = cut_runs([record], HammersteinModel(linear, (point,), "test"), ())
-    _, tilted, *_, wider, one_sided = departures(stretch, (), 1).T[:7]
+    _, tilted, *_, wider, one_sided, at_ends = departures(stretch, (), 1).T[:8]
     settled, way, edge_deg = stretch.settled_rad_s, np.sign(phase_deg), dead_zone_deg(stretch)
     fast = 2.0 * np.abs(settled) / np.max(np.abs(settled)) - 1.0
     inside_deg = 1e-3 * edge_deg
+    toward_end = np.clip((np.abs(phase_deg) - edge_deg) / (90.0 - edge_deg), 0.0, 1.0)
     for found, changed_rad_s in (
         (tilted, settled * (1.0 + 1e-3 * fast)),
         (wider, curve.speed_rad_s(phase_deg - inside_deg * way)),
         (one_sided, curve.speed_rad_s(phase_deg - inside_deg)),
+        (at_ends, curve.speed_rad_s(phase_deg - inside_deg * toward_end)),
     ):
         change = (free_run(linear, changed_rad_s) - free_run(linear, settled)) / 1e-3
         let_go = stretch.use & (stretch.lag == 0) & (phase_deg == 0.0)

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from tests.usmbench.diagnose.known.wandering_motor import (
     LINEAR,
@@ -21,6 +22,7 @@ from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.linear import free_run
 from usmbench.runs.record import Record
 
+Array = NDArray[np.float64]
 N = 1200
 
 
@@ -152,6 +154,27 @@ def test_a_dead_zone_that_wanders_is_no_friction_where_the_rotor_is_let_go() -> 
         assert diagnose([record], model).verdict == "no_discrepancy"
 
 
+@pytest.mark.parametrize("seed", range(2))
+def test_edges_that_wander_apart_while_the_curve_ends_where_it_did_are_no_news(seed: int) -> None:
+    rng = np.random.default_rng([seed, 3])
+    days = [_stretched(10 * seed + k, rng.normal(0.0, 0.01, 2)) for k in range(4)]
+    model = with_knowledge(identify_fast(days, FastOptions()).model, days)
+    healthy = [_stretched(50 + 10 * seed + k, rng.normal(0.0, 0.01, 2)) for k in range(3)]
+    assert diagnose(healthy, model).verdict == "no_discrepancy"
+
+
+def _stretched(seed: int, farther: Array) -> Record:
+    """Return a run of a motor that starts farther out by a share, either side, and ends at 90."""
+    rng = np.random.default_rng(seed)
+    phase_deg = np.repeat(rng.uniform(-88.0, 88.0, 300), 10)
+    t_s, edge_deg = WINDOW_S * np.arange(1.0, phase_deg.size + 1.0), 13.0
+    moved_deg = edge_deg * (1.0 + np.where(phase_deg > 0.0, farther[0], farther[1]))
+    share = np.maximum(np.abs(phase_deg) - moved_deg, 0.0) / (90.0 - moved_deg)
+    settled = 10.0 * np.sign(phase_deg) * np.sin(1.2 * share)
+    speed = free_run(LINEAR, settled) + 0.01 * rng.standard_normal(phase_deg.size)
+    return Record(f"run {seed}", t_s, phase_deg, speed, np.full(phase_deg.size, WINDOW_S))
+
+
 def _starting(
     seed: int,
     rises: float,
@@ -179,9 +202,9 @@ def _starting(
 
 def test_the_wander_comes_back_from_the_model_file() -> None:
     some = Wander(
-        0.01, (1e-3, 2e-3), 1e-4, 0.02, 0.05, 1e-3, (0.1, 0.2), 1e-3, 0.01, 1e-3, 1e-5, 0.1, 3
+        0.01, (1e-3, 2e-3), 1e-4, 0.02, 0.05, 1e-3, 2e-3, (0.1, 0.2), 1e-3, 0.01, 1e-3, 1e-5, 0.1, 3
     )
     kept = some.to_mapping()
     assert wander_from_mapping(kept) == some
-    del kept["one_sided"]  # older files have none
-    assert wander_from_mapping(kept) == replace(some, one_sided=3e-4)
+    del kept["one_sided"], kept["one_sided_ends"]  # older files have none
+    assert wander_from_mapping(kept) == replace(some, one_sided=3e-4, one_sided_ends=3e-4)

@@ -11,14 +11,14 @@ from usmbench.diagnose.known.wander_estimate import beside, measured_wander
 
 Array = NDArray[np.float64]
 WIDEST = Wander(
-    0.01, (1e-3, 2e-3), 1e-4, 0.02, 0.05, 0.01, (0.1, 0.2), 0.01, 0.1, 0.05, 1e-4, 0.1, 5
+    0.01, (1e-3, 2e-3), 1e-4, 0.02, 0.05, 0.01, 0.01, (0.1, 0.2), 0.01, 0.1, 0.05, 1e-4, 0.1, 5
 )
 LEAST = Wander(
-    3e-4, (5e-5, 5e-5), 3e-6, 1e-3, 1e-3, 3e-4, (1e-3, 1e-3), 1e-3, 0.01, 1e-3, 1e-5, 0.1, 5
+    3e-4, (5e-5, 5e-5), 3e-6, 1e-3, 1e-3, 3e-4, 3e-4, (1e-3, 1e-3), 1e-3, 0.01, 1e-3, 1e-5, 0.1, 5
 )
 N = WIDEST.deviations.size
 DAY = np.r_[
-    1.0, 0.2, 0.5, 0.1, 0.0, 0.3, 0.6, 0.4, 2.0, 0.5, np.repeat([0.4, 0.1, 0.3, 0.5], 5), 0.5
+    1.0, 0.2, 0.5, 0.1, 0.0, 0.3, 0.6, 0.4, 0.4, 2.0, 0.5, np.repeat([0.4, 0.1, 0.3, 0.5], 5), 0.5
 ]
 RUNS = np.array([DAY, -DAY])
 
@@ -38,6 +38,7 @@ def test_the_wander_is_the_spread_of_the_runs_and_what_their_number_leaves_open(
     assert found.gain_tilt[1] == pytest.approx(1e-3 * spread, rel=0.05)
     assert found.wider == pytest.approx(0.05 * 0.6 * spread, rel=0.05)
     assert found.one_sided == pytest.approx(0.01 * 0.4 * spread, rel=0.05)
+    assert found.one_sided_ends == pytest.approx(0.01 * 0.4 * spread, rel=0.05)
     assert found.held_back_rad_s == pytest.approx((0.2 * spread, 0.1 * spread), rel=0.05)
 
 
