@@ -14,6 +14,7 @@ from usmbench.diagnose.naming.chance import scatters, struck_by
 from usmbench.diagnose.naming.ranking import (
     CLEAR,
     FORM_OFF,
+    TELLING,
     Ranked,
     alternatives,
     nearest,
@@ -191,11 +192,13 @@ def _with_the_rest(problem: Problem, effects: Sequence[Effect], found: Named) ->
     there = problem.with_masks([m & s for m, s in zip(problem.masks, struck, strict=True)])
     if fit.statistic <= alone.statistic or _worse(there, alone, fit):
         return found
-    # What the first does below the noise of a window may have passed for another cause.
+    # What the first does there, below the noise of a window, may have passed for another cause.
     beside = problem.with_masks(masks)
     evidence = beside.drop(alone.effects) / spread**2
     first = First(evidence, frozenset(alternatives(found.rankings[-1])))
-    if not earns_its_place(beside, alone.effects, fit.effects, first, spread):
+    if evidence > TELLING and not earns_its_place(
+        beside, alone.effects, fit.effects, first, spread
+    ):
         return found
     both = settled(problem, [found.rankings[-1], *rest.rankings], fit)
     return replace(both, spread=found.spread)

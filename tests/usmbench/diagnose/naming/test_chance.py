@@ -188,6 +188,15 @@ def test_a_drag_at_one_speed_is_no_scatter(
         assert leaves_scatter(_problem(run, model), [loss]) is scattered
 
 
+def test_a_small_scale_is_named_beside_lost_counts_that_explain_far_more(
+    model: HammersteinModel,
+) -> None:
+    """These say nothing where none are lost."""
+    slower = applied("speed_scale", "", scale_error=0.003)
+    names = _names(_swallowed(_dwelling(slower), 0.5), model)
+    assert names == ["missed_counts", "speed_scale"]
+
+
 @pytest.mark.parametrize("named", [True, False])
 def test_what_else_is_named_is_no_scatter_against_the_loss(
     model: HammersteinModel, named: bool
