@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 from usmbench.diagnose.fitting.foretold import foretells_nothing, foretold_rad_s
 from usmbench.diagnose.fitting.gain import Gain, held_out_gain, left_over
-from usmbench.diagnose.naming.found import Found, verdict_on
+from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.naming.ranking import NO_CHANCE
 from usmbench.diagnose.naming.sporadic import Sporadic, find_sporadic
+from usmbench.diagnose.naming.verdict import verdict_on
 from usmbench.diagnose.residual.whole import PLAINLY
 from usmbench.diagnose.result import Verdict
 

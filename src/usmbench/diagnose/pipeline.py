@@ -10,8 +10,9 @@ from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.described import described
 from usmbench.diagnose.held import held
 from usmbench.diagnose.naming.began_warm import WarmStart
-from usmbench.diagnose.naming.found import Found, verdict_on
+from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.naming.search import search
+from usmbench.diagnose.naming.verdict import verdict_on
 from usmbench.diagnose.residual.own_effects import cut_beside_own, known_of, own_effects
 from usmbench.diagnose.result import Diagnosis
 from usmbench.model.effects.registry import library

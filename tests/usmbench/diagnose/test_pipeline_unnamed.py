@@ -8,8 +8,7 @@ from scipy.signal import lfilter
 
 from known_motor import NOISE_RAD_S, WINDOW_S, applied, driven, identified, measured
 from usmbench.diagnose import held
-from usmbench.diagnose.naming import found as found_module
-from usmbench.diagnose.naming import stepwise
+from usmbench.diagnose.naming import stepwise, verdict
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.model.hammerstein import HammersteinModel
 
@@ -108,7 +107,7 @@ def test_three_causes_at_once_have_no_name(
     found = diagnose([record], model)
     assert (found.verdict, found.causes) == ("unexplained", ())
     assert found.extended == model
-    monkeypatch.setattr(found_module, "_MOST_NAMED", 3)
+    monkeypatch.setattr(verdict, "_MOST_NAMED", 3)
     assert {c.name for c in diagnose([record], model).causes} == {a.effect.name for a in _THREE}
 
 
@@ -123,7 +122,7 @@ def test_a_cause_stands_without_a_trifle_that_leaves_something_too(
     says: str,
     named: list[str],
 ) -> None:
-    monkeypatch.setattr(found_module, "verdict", lambda *_: "partly_explained")
+    monkeypatch.setattr(verdict, "by_share_left", lambda *_: "partly_explained")
     disc = applied("encoder_eccentricity", "", cosine=0.025, sine=0.0)
     offset = applied("phase_offset", "", offset_deg=offset_deg)
     found = diagnose([measured(3, disc, offset)], model)
@@ -134,7 +133,7 @@ def test_a_cause_stands_without_a_trifle_that_leaves_something_too(
 def test_several_causes_that_leave_something_have_no_name(
     model: HammersteinModel, monkeypatch: pytest.MonkeyPatch, n_named: int, says: str
 ) -> None:
-    monkeypatch.setattr(found_module, "verdict", lambda *_: "partly_explained")
+    monkeypatch.setattr(verdict, "by_share_left", lambda *_: "partly_explained")
     assert diagnose([measured(12, *_THREE[:n_named])], model).verdict == says
 
 

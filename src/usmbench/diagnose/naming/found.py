@@ -1,4 +1,4 @@
-"""What a search for causes came to, and whether its names may stand."""
+"""What a search for causes came to, and what speaks for and against its names."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -13,33 +13,21 @@ from usmbench.diagnose.fitting.huber_weights import huber_weights
 from usmbench.diagnose.fitting.intervals import leans_on_an_end
 from usmbench.diagnose.fitting.refining import refine
 from usmbench.diagnose.naming.chance import chancy_of, leaves_scatter
-from usmbench.diagnose.naming.ranking import NO_CHANCE, TELLING, Ranked
+from usmbench.diagnose.naming.ranking import TELLING, Ranked
 from usmbench.diagnose.naming.remainder import LOUD, LOUD_ALONE
-from usmbench.diagnose.naming.sporadic import Sporadic
 from usmbench.diagnose.residual.problem import Problem
-from usmbench.diagnose.residual.whole import (
-    LEFT_PARTLY,
-    PLAINLY,
-    Whole,
-    doubted_test,
-    excused,
-    verdict,
-)
-from usmbench.diagnose.result import Verdict
+from usmbench.diagnose.residual.whole import PLAINLY, Whole, doubted_test
 
 Array = NDArray[np.float64]
 
-_MOST_NAMED = 2  # where a third earns its place, too, it is more likely that none is the cause
+LEFT_PARTLY = 0.4  # of what was off: names that leave more explain too little of it
 # Where no other reason stands beside a threshold here, it was chosen while watching draws of
 # simulated motors (docs/explanations/diagnosis.md), and no measurement fixes it.
 # What has no name is a finding only from half the noise's rms on, or from a seventh where chance
 # shows as much in the views of one run in 10⁹; a name must earn its own place.
 _LEAST_EXCESS, _LEAST_SURE, _SURE = 0.25, 0.02, 1e-9
-# How far what is no news may depart is an estimate: of that only what is larger than the noise.
-_LEAST_HIDDEN = 1.0
 _GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by a tenth
 _TRIFLE = 0.01  # of what there was: what a form of an effect may be off by
-_MOSTLY = 0.5  # of what is off
 _SCATTER = 0.5  # of what is left: the rest is smooth
 _AT_END = 0.99  # of the way from nothing to the end of what a size may be
 
@@ -201,54 +189,3 @@ class Found:
     def left_rad_s(self) -> list[Array]:
         """Residual of each stretch with the named causes taken out, in rad/s, shape (N,)."""
         return self.problem.left_rad_s(self.fit.effects)
-
-
-def verdict_on(found: Found, sporadic: Sporadic | None) -> Verdict:
-    """Say whether what is named may stand.
-
-    Parameters
-    ----------
-    found
-        What the search came to.
-    sporadic
-        The cause of windows that stand alone; None for none.
-    """
-    if found.named:
-        return _on_named(found)
-    # Windows that stand alone are not the matter where most is wrong elsewhere.
-    elsewhere = max(found.before.excess, _MOSTLY * found.off_in_all)
-    if sporadic is not None and sporadic.deviance > elsewhere:
-        return "explained" if found.before.p_value > PLAINLY else "partly_explained"
-    return on_nothing_named(found)
-
-
-def on_nothing_named(found: Found) -> Verdict:
-    """Say whether there is something to be named.
-
-    Parameters
-    ----------
-    found
-        What the search came to.
-    """
-    hidden = excused(found.problem, found.spread)
-    if found.plain or hidden.beyond(NO_CHANCE, _LEAST_HIDDEN):
-        return "unexplained"
-    return "no_discrepancy"
-
-
-def _on_named(found: Found) -> Verdict:
-    """Say whether names may stand, and whether they are all."""
-    says = verdict(found.before, found.after, found.explained)
-    if len(found.named) > _MOST_NAMED:
-        return "unexplained"
-    # Scatter is not smooth: what the views show of it is little.
-    if chancy_of(found.fit.effects) and found.leaves_more:
-        return on_nothing_named(found)
-    if found.patched or found.at_an_end or (says != "explained" and found.on_a_grid):
-        return "unexplained"
-    # Several that leave something are patches on what the library does not know.
-    if says == "unexplained" or found.mostly_left or (says != "explained" and found.named[1:]):
-        if not leaves_scatter(found.problem, found.fit.effects):
-            return "unexplained"
-        return "partly_explained"
-    return on_nothing_named(found) if found.leaves_more else says

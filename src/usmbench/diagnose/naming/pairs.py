@@ -27,10 +27,11 @@ from usmbench.diagnose.naming.ranking import (
 )
 from usmbench.diagnose.naming.roughly_beside import roughly_together
 from usmbench.diagnose.naming.stepwise import Named, settled
+from usmbench.diagnose.naming.verdict import by_share_left
 from usmbench.diagnose.naming.worth import First, earns_its_place, worth_a_name
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.views import omnibus
-from usmbench.diagnose.residual.whole import doubted_test, verdict, whole_test
+from usmbench.diagnose.residual.whole import doubted_test, whole_test
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
 
@@ -107,7 +108,7 @@ def _explains(problem: Problem, pair: Fit, spread: float) -> bool:
     """Whether two causes leave nothing but what their form may be off by."""
     before = whole_test(problem, omnibus(problem), (), spread)
     after = doubted_test(problem, pair.effects, spread)
-    return verdict(before, after, pair.statistic / spread**2) == "explained"
+    return by_share_left(before, after, pair.statistic / spread**2) == "explained"
 
 
 def _led_by(problem: Problem, lead: Ranked, effects: Sequence[Effect], spread: float) -> Fit:

@@ -12,11 +12,12 @@ from usmbench.diagnose.fitting.huber_weights import huber_weights
 from usmbench.diagnose.fitting.refining import refine_widely
 from usmbench.diagnose.known.knowledge import Knowledge
 from usmbench.diagnose.naming.chance import chancy_of
-from usmbench.diagnose.naming.found import Found, verdict_on
+from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.naming.pairs import hidden_pair
 from usmbench.diagnose.naming.ranking import FORM_OFF, SIGNIFICANT, Ranked, rank
 from usmbench.diagnose.naming.remainder import LOUD
 from usmbench.diagnose.naming.stepwise import Named, name_causes, noise_spread, settled
+from usmbench.diagnose.naming.verdict import verdict_on
 from usmbench.diagnose.naming.weighed_again import weighed_again
 from usmbench.diagnose.noise.noise_estimate import noise_as_stated
 from usmbench.diagnose.noise.noise_model import Noise

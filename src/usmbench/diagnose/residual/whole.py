@@ -1,4 +1,4 @@
-"""What the views together show of a residual, and what its share says of a name."""
+"""What the views together show of a residual."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,13 +8,10 @@ from scipy.stats import chi2
 from usmbench.diagnose.residual.basis import Basis
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.views import omnibus
-from usmbench.diagnose.result import Verdict
 from usmbench.model.extended import Applied
 
 PLAINLY = 1e-3  # that the views together show something
 _MATERIAL = 0.1  # of the noise's mean square
-_LEFT_EXPLAINED = 0.08
-LEFT_PARTLY = 0.4
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,19 +101,3 @@ def excused(problem: Problem, spread: float) -> Whole:
     departures, square = problem.excuses()
     p_value = float(chi2.sf(departures @ departures / spread**2, departures.size))
     return Whole(square / spread**2, p_value, problem.n_rows)
-
-
-def verdict(before: Whole, after: Whole, statistic: float) -> Verdict:
-    """Return the verdict on named causes.
-
-    Parameters
-    ----------
-    before, after
-        The test over all views without and with the causes.
-    statistic
-        Drop of the deviance that they bring.
-    """
-    share = after.excess / max(before.excess, statistic, 1e-12)
-    if after.p_value > PLAINLY or share < _LEFT_EXPLAINED:
-        return "explained"
-    return "unexplained" if share > LEFT_PARTLY and after.material else "partly_explained"

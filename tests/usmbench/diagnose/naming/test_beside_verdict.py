@@ -8,8 +8,9 @@ import pytest
 from known_motor import applied, judged
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.naming.beside_verdict import said_beside
-from usmbench.diagnose.naming.found import Found, verdict_on
+from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.naming.ranking import Ranked
+from usmbench.diagnose.naming.verdict import verdict_on
 from usmbench.diagnose.residual.whole import Whole
 from usmbench.diagnose.result import Verdict
 
