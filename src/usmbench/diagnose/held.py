@@ -51,20 +51,21 @@ def held(found: Found) -> Held:
     says = verdict_on(found, sporadic)
     stands = says in ("explained", "partly_explained")
     if not stands:
+        unnamed = found.drop_names()
         if found.named and sporadic is not None:
             # That names do not stand says nothing against windows that stand alone.
-            without = held(found.without_names)
+            without = held(unnamed)
             if without.sporadic is not None:
                 return without
-        found, sporadic = found.without_names, None
-    scattered = found.scattered
+        found, sporadic = unnamed, None
+    scattered = found.count_scatter()
     if scattered is not found and scattered.after.p_value > PLAINLY:
         says = "explained"
     foretold = foretold_rad_s(scattered.problem, scattered.fit)
     # Two causes and a rare day, which hides them: there is another explanation.
     sure = len(found.named) == 1 and found.named[0][0].p_value < NO_CHANCE
     if found.named and foretells_nothing(scattered.problem, foretold, sure=sure):
-        return held(found.without_names)
+        return held(found.drop_names())
     problem, alone = scattered.problem, sporadic is not None
     gain = held_out_gain(problem, foretold, alone=alone)
     return Held(scattered, says, sporadic, gain, left_over(problem, foretold, alone=alone))

@@ -53,7 +53,7 @@ class WarmStart:
         cold
             What the search came to.
         """
-        problem = cold.without_names.problem
+        problem = cold.drop_names().problem
         return cls(cold, problem, problem.carried(list(_columns(problem))))
 
     @property

@@ -160,17 +160,15 @@ class Found:
         """Whether the views show more of what is left than the names explain."""
         return self.after.p_value < PLAINLY and self.after.excess > self.explained
 
-    @property
-    def without_names(self) -> "Found":
-        """The same where no name stands: of a motor that does not show what was named."""
+    def drop_names(self) -> "Found":
+        """Return the same where no name stands: of a motor that does not show what was named."""
         if not self.named:
             return self
         problem = self.problem.showing(())
         return replace(self, problem=problem, named=[], fit=NOTHING, after=self.before)
 
-    @property
-    def scattered(self) -> "Found":
-        """The same where the scatter that a cause by chance leaves counts as noise.
+    def count_scatter(self) -> "Found":
+        """Return the same where the scatter that a cause by chance leaves counts as noise.
 
         The search keeps what is far out from its fits: of what chance does, these would leave less
         than its mean.

@@ -23,7 +23,7 @@ GRID = applied("phase_quantisation", "rounded", step_deg=4.5)
 def problem() -> Problem:
     phase_deg = np.repeat(np.random.default_rng(4).uniform(-88.0, 88.0, 150), 10)
     stretches, _ = cut_beside_own([driven(phase_deg, 4, OFFSET, GRID)], identified())
-    return searched(stretches, identified()).without_names.problem
+    return searched(stretches, identified()).drop_names().problem
 
 
 def found(problem: Problem, one: Applied) -> Ranked:

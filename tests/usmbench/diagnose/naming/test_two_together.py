@@ -26,7 +26,7 @@ def test_what_follows_the_first_explains_more_beside_what_is_nearly_as_good(seed
     )
     record = driven(10.0 * np.sum(waves, axis=0), seed, *hidden)
     stretches, _ = cut_beside_own([record], identified())
-    problem = searched(stretches, identified()).without_names.problem
+    problem = searched(stretches, identified()).drop_names().problem
     names = ("load_torque", "speed_scale", "gain_asymmetry", "phase_offset")
     effects = [e for e in library() if not e.sporadic and e.name in names]
     ranked = rank(problem, effects, 1.0)
