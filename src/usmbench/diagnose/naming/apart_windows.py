@@ -8,7 +8,8 @@ from scipy.ndimage import median_filter
 from scipy.stats import norm
 
 from usmbench.diagnose.cutting.stretches import Mask, Stretch
-from usmbench.diagnose.noise.spikes import PLAIN, apart, runs_on, steady
+from usmbench.diagnose.noise.rotor_states import runs_on, steady
+from usmbench.diagnose.noise.spikes import PLAIN, apart
 from usmbench.diagnose.residual.problem import Problem
 
 Array = NDArray[np.float64]

@@ -21,7 +21,8 @@ from usmbench.diagnose.naming.verdict import verdict_on
 from usmbench.diagnose.naming.weighed_again import weighed_again
 from usmbench.diagnose.noise.noise_estimate import noise_as_stated
 from usmbench.diagnose.noise.noise_model import Noise
-from usmbench.diagnose.noise.spikes import are_exceptions, off_steps, spiked, steady
+from usmbench.diagnose.noise.rotor_states import steady
+from usmbench.diagnose.noise.spikes import are_exceptions, off_steps, spiked
 from usmbench.diagnose.residual.basis import Basis
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.views import omnibus

@@ -12,7 +12,8 @@ from usmbench.diagnose.evidence import Estimate, NamedCause
 from usmbench.diagnose.naming.apart_windows import away_rad_s, beyond, scatter_rad_s
 from usmbench.diagnose.naming.ranking import NO_CHANCE, SIGNIFICANT, TELLING
 from usmbench.diagnose.naming.standing_alone import StandingAlone
-from usmbench.diagnose.noise.spikes import apart, are_exceptions, moved_rad_s, steady
+from usmbench.diagnose.noise.rotor_states import moved_rad_s, steady
+from usmbench.diagnose.noise.spikes import apart, are_exceptions
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.lone_windows import LoneWindows, SporadicEffect, Weighed
 from usmbench.model.effects.registry import library

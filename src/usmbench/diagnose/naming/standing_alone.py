@@ -10,15 +10,8 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from usmbench.diagnose.cutting.stretches import Mask, Stretch
 from usmbench.diagnose.naming.apart_windows import away_rad_s, beyond, least_rad_s
 from usmbench.diagnose.naming.chance import chancy_of, struck_by
-from usmbench.diagnose.noise.spikes import (
-    PLAIN,
-    moved_rad_s,
-    off_steps,
-    runs_on,
-    spiked,
-    steady,
-    whole_count_rad_s,
-)
+from usmbench.diagnose.noise.rotor_states import moved_rad_s, runs_on, steady, whole_count_rad_s
+from usmbench.diagnose.noise.spikes import PLAIN, off_steps, spiked
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.base import PHYSICS
 from usmbench.model.extended import Applied

@@ -11,8 +11,7 @@ from usmbench.diagnose.cutting.stretches import Mask, Stretch
 from usmbench.diagnose.noise.colour import taken_by_fit
 from usmbench.diagnose.noise.levels import levels
 from usmbench.diagnose.noise.noise_model import LAGS, Noise
-from usmbench.diagnose.noise.rotor_states import runs_out, turns
-from usmbench.diagnose.noise.spikes import whole_count_rad_s
+from usmbench.diagnose.noise.rotor_states import runs_out, turns, whole_count_rad_s
 from usmbench.diagnose.noise.step_noise import FAR, noise_with_steps
 from usmbench.identify.noise import autoregression
 

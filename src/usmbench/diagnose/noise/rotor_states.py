@@ -1,10 +1,11 @@
-"""What the rotor does on each row by the model: turns, runs out, starts or stops.
+"""What the rotor does on each row by the model: turns on, runs out, starts or stops.
 
-Where the noise is estimated, and what it is, hang on it.
+Where the noise is estimated, what it is, and which windows may stand alone, hang on it.
 """
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from usmbench.diagnose.cutting.stretches import Mask, Stretch
 from usmbench.model.hammerstein import CREST_DEG
@@ -18,6 +19,12 @@ REVERSAL = 3  # of the kinds
 _CORNER_DEG, _DISTRUST = 1.0, 0.3
 _STANDING = 0.02  # of the highest speed: less counts as a stop; nothing measured sets it
 _BEYOND_DEG = 0.5  # how much farther out tells how near an edge a phase lies
+_RUNNING = 0.1  # of the highest speed
+_GENTLE = 0.1  # the same, a window: a command that glides
+# Windows until the noise says how sure the speed of a rotor is that turns on, or starts and stops.
+_SETTLING, _STARTING = 2, 3
+_AROUND = 3  # windows: with the one before and the one after
+_DIGITS, _WHOLE = 6, 0.02  # of a speed in rad/s; counts: how far from a whole one
 
 
 def bend_rad_s(stretch: Stretch) -> Array:
@@ -102,3 +109,68 @@ def step_kind(stretch: Stretch) -> NDArray[np.int64]:
     least = stands_below_rad_s(stretch)
     stopped, stood = np.abs(after) <= least, np.abs(before) <= least
     return np.select([stopped, stood, before * after < 0.0], [1, 2, 3], 0)
+
+
+def steady(stretch: Stretch) -> Mask:
+    """Return the rows on which nothing but the counter can make a window stand alone.
+
+    Parameters
+    ----------
+    stretch
+        The stretch. A rotor that starts or stops does so at a moment of its own.
+    """
+    settled = np.abs(stretch.settled_rad_s)
+    top_rad_s = float(np.max(settled, initial=0.0))
+    gently = (np.abs(stretch.step_rad_s) < _GENTLE * top_rad_s) | (stretch.lag >= _SETTLING)
+    on: Mask = stretch.use & (settled > _RUNNING * top_rad_s)
+    calm: Mask = on & (gently & (step_kind(stretch) == 0) | (stretch.lag >= _STARTING))
+    return calm
+
+
+def runs_on(stretch: Stretch) -> Mask:
+    """Return the rows around which the rotor turns on, however its speed changes, shape (N,).
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    speed = stretch.simulated_rad_s
+    least_rad_s = _RUNNING * float(np.max(np.abs(stretch.settled_rad_s), initial=0.0))
+    forwards = minimum_filter1d(speed, _AROUND) > least_rad_s
+    backwards = maximum_filter1d(speed, _AROUND) < -least_rad_s
+    kept_on: Mask = stretch.use & (step_kind(stretch) == 0) & (forwards | backwards)
+    return kept_on
+
+
+def moved_rad_s(stretch: Stretch) -> Array:
+    """Return how far a motor that comes a little sooner or later may be off in a window, (N,).
+
+    By what the speed changes by around the window, and by a rotor that creeps or stands.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    speed = stretch.simulated_rad_s
+    around = maximum_filter1d(speed, _AROUND) - minimum_filter1d(speed, _AROUND)
+    top_rad_s = float(np.max(np.abs(stretch.settled_rad_s), initial=0.0))
+    return np.asarray(np.maximum(around, _RUNNING * top_rad_s))
+
+
+def whole_count_rad_s(stretch: Stretch) -> float:
+    """Return the speed of one count a window where all speeds are whole counts, else next to 0.
+
+    Parameters
+    ----------
+    stretch
+        The stretch.
+    """
+    speeds = np.unique(np.round(np.abs(stretch.speed_rad_s), _DIGITS))
+    known_rad_s = stretch.context.count_rad_s
+    if not known_rad_s and speeds.size < 2:
+        return 0.0
+    count_rad_s = known_rad_s or float(np.min(np.diff(speeds)))
+    off = speeds / count_rad_s
+    return count_rad_s if np.all(np.abs(off - np.rint(off)) < _WHOLE) else 0.0

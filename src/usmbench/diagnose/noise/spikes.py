@@ -6,23 +6,17 @@ from typing import Any
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
+from scipy.ndimage import median_filter
 
 from usmbench.diagnose.cutting.stretches import Mask, Stretch
 from usmbench.diagnose.noise.noise_model import LAGS, Noise
-from usmbench.diagnose.noise.rotor_states import step_kind
+from usmbench.diagnose.noise.rotor_states import steady
 
 Array = NDArray[np.float64]
 
-_RUNNING = 0.1  # of the highest speed
-_GENTLE = 0.1  # the same, a window: a command that glides
-# Windows until the noise says how sure the speed of a rotor is that turns on, or starts and stops.
-_SETTLING, _STARTING = 2, 3
 _PARTS = 8  # of the speeds, from slow to fast
 _MOST_ALONE, _MOST_IN_PART = 0.1, 0.25  # more is no exception
-_AROUND = 3  # windows: with the one before and the one after
 _BESIDE, _AS_OTHERS = 11, 0.5  # windows; of what a window is off by
-_DIGITS, _WHOLE = 6, 0.02  # of a speed in rad/s; counts: how far from a whole one
 PLAIN = 7.0  # so far that only a miscount remains
 FAR = 6.0  # standard deviations: once in 5·10⁸ windows of normal noise
 
@@ -55,71 +49,6 @@ def spiked(
         _alone(residual, times * noise.level_rad_s(s)) & (near_steps | _far_from_step(s, noise))
         for s, residual in zip(stretches, residuals, strict=True)
     ]
-
-
-def steady(stretch: Stretch) -> Mask:
-    """Return the rows on which nothing but the counter can make a window stand alone.
-
-    Parameters
-    ----------
-    stretch
-        The stretch. A rotor that starts or stops does so at a moment of its own.
-    """
-    settled = np.abs(stretch.settled_rad_s)
-    top_rad_s = float(np.max(settled, initial=0.0))
-    gently = (np.abs(stretch.step_rad_s) < _GENTLE * top_rad_s) | (stretch.lag >= _SETTLING)
-    on: Mask = stretch.use & (settled > _RUNNING * top_rad_s)
-    calm: Mask = on & (gently & (step_kind(stretch) == 0) | (stretch.lag >= _STARTING))
-    return calm
-
-
-def runs_on(stretch: Stretch) -> Mask:
-    """Return the rows around which the rotor turns on, however its speed changes, shape (N,).
-
-    Parameters
-    ----------
-    stretch
-        The stretch.
-    """
-    speed = stretch.simulated_rad_s
-    least_rad_s = _RUNNING * float(np.max(np.abs(stretch.settled_rad_s), initial=0.0))
-    forwards = minimum_filter1d(speed, _AROUND) > least_rad_s
-    backwards = maximum_filter1d(speed, _AROUND) < -least_rad_s
-    kept_on: Mask = stretch.use & (step_kind(stretch) == 0) & (forwards | backwards)
-    return kept_on
-
-
-def moved_rad_s(stretch: Stretch) -> Array:
-    """Return how far a motor that comes a little sooner or later may be off in a window, (N,).
-
-    By what the speed changes by around the window, and by a rotor that creeps or stands.
-
-    Parameters
-    ----------
-    stretch
-        The stretch.
-    """
-    speed = stretch.simulated_rad_s
-    around = maximum_filter1d(speed, _AROUND) - minimum_filter1d(speed, _AROUND)
-    top_rad_s = float(np.max(np.abs(stretch.settled_rad_s), initial=0.0))
-    return np.asarray(np.maximum(around, _RUNNING * top_rad_s))
-
-
-def whole_count_rad_s(stretch: Stretch) -> float:
-    """Return the speed of one count a window where all speeds are whole counts, else next to 0.
-
-    Parameters
-    ----------
-    stretch
-        The stretch.
-    """
-    speeds = np.unique(np.round(np.abs(stretch.speed_rad_s), _DIGITS))
-    known_rad_s = stretch.context.count_rad_s
-    if not known_rad_s and speeds.size < 2:
-        return 0.0
-    count_rad_s = known_rad_s or float(np.min(np.diff(speeds)))
-    off = speeds / count_rad_s
-    return count_rad_s if np.all(np.abs(off - np.rint(off)) < _WHOLE) else 0.0
 
 
 def count_steady(stretches: Sequence[Stretch], far: Sequence[Mask]) -> tuple[int, int]:

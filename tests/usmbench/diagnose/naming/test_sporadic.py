@@ -11,7 +11,7 @@ from known_motor import CURVE, NOISE_RAD_S, WINDOW_S, applied, driven, identifie
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.naming.sporadic import find_sporadic, left_unnamed
-from usmbench.diagnose.noise.spikes import whole_count_rad_s
+from usmbench.diagnose.noise.rotor_states import whole_count_rad_s
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.reference import with_knowledge
 from usmbench.diagnose.residual.problem import Problem

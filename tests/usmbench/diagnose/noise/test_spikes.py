@@ -1,7 +1,5 @@
 """Windows that stand alone, and those that only seem to."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -10,13 +8,7 @@ from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.noise.noise_model import LAGS, Noise
 from usmbench.diagnose.noise.rotor_states import KINDS
-from usmbench.diagnose.noise.spikes import (
-    are_exceptions,
-    off_steps,
-    spiked,
-    steady,
-    whole_count_rad_s,
-)
+from usmbench.diagnose.noise.spikes import are_exceptions, off_steps, spiked
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
 from usmbench.runs.record import Record
@@ -52,12 +44,6 @@ def reversing() -> Stretch:
 def _alone(stretch: Stretch, residual_rad_s: NDArray[np.float64]) -> list[int]:
     (far,) = spiked([stretch], [residual_rad_s], NOISE, near_steps=True)
     return np.flatnonzero(far).tolist()
-
-
-def test_the_motor_runs_steadily_from_the_third_window_after_a_reversal_on(
-    reversing: Stretch,
-) -> None:
-    assert np.array_equal(steady(reversing), reversing.use & (reversing.lag >= 3))
 
 
 def test_an_error_that_turns_with_the_motion_is_no_spike(reversing: Stretch) -> None:
@@ -118,15 +104,3 @@ def test_exceptions_are_few_and_not_off_as_others_at_like_phases(
 def test_where_no_row_is_calm_nothing_stands_alone_against_chance(reversing: Stretch) -> None:
     none = np.zeros(N, dtype=bool)
     assert are_exceptions([reversing], [np.zeros(N)], [none], [none])
-
-
-def test_speeds_of_whole_counts_tell_the_count_and_one_speed_alone_tells_none(
-    reversing: Stretch,
-) -> None:
-    counts: NDArray[np.float64] = np.arange(N, dtype=np.float64) % 7.0 - 3.0
-    for speed_rad_s, count_rad_s in (
-        (0.25 * counts, 0.25),
-        (np.random.default_rng(1).uniform(0.0, 9.0, N), 0.0),
-        (np.where(counts > 0.0, 5.0, -5.0), 0.0),
-    ):
-        assert whole_count_rad_s(replace(reversing, speed_rad_s=speed_rad_s)) == count_rad_s
