@@ -8,7 +8,7 @@ from pathlib import Path
 from usmbench.cli.bench_session import open_bench, settings_of
 from usmbench.cli.live_panel import LivePanel
 from usmbench.cli.runs_folder import named_at_the_end, new_run_folder
-from usmbench.cli.same_bench import another_motor
+from usmbench.cli.same_bench import why_another_motor
 from usmbench.cli.simulated_motor import MODEL_FILE, SimulatedMotor, last_seed
 from usmbench.cli.sweep_run import sweep_new
 from usmbench.diagnose.experiment.next_experiment import propose
@@ -126,7 +126,7 @@ def _another_bench(record: Record, bench: str, settings: BenchSettings) -> str |
     window_s, there_s = record.usual_window_s, settings.window_s
     if not alike(window_s, there_s):
         return f"its windows are {1e3 * window_s:g} ms long, those of {bench} {1e3 * there_s:g} ms"
-    return another_motor(record.meta, bench, settings)
+    return why_another_motor(record.meta, bench, settings)
 
 
 def decide(

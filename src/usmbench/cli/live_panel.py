@@ -9,7 +9,7 @@ from types import TracebackType
 from typing import Final, Self, TextIO
 
 from usmbench.cli.live_curve import BOTH, FALLING, NOW, RISING, LiveCurve
-from usmbench.cli.live_text import LEGEND_ROW, Seen, panel_lines
+from usmbench.cli.live_text import LEGEND_ROW, LatestWindow, panel_lines
 from usmbench.report.plain_text import printable
 from usmbench.settings.bench import InterlockSettings
 from usmbench.sweep.observer import Standing
@@ -110,7 +110,7 @@ class LivePanel:
         if standing.waiting_for_load and not self._lines_drawn:
             return
         columns, rows = self._size()
-        seen = Seen(row, standing, windows, time.monotonic() - self._begun_s)
+        seen = LatestWindow(row, standing, windows, time.monotonic() - self._begun_s)
         lines = panel_lines(self._title, seen, self._limits, self._curve, columns, rows)
         words, curve = lines[:LEGEND_ROW], lines[LEGEND_ROW:]
         text = "\x1b[K\n".join([*words, *map(self._coloured, curve)]) + "\x1b[K"

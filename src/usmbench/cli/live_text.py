@@ -19,7 +19,7 @@ _BAR = 24
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class LatestWindow:
     """The latest window and what led to it.
 
     Parameters
@@ -46,7 +46,12 @@ class Seen:
 
 
 def panel_lines(
-    title: str, seen: Seen, limits: InterlockSettings, curve: LiveCurve, columns: int, rows: int
+    title: str,
+    seen: LatestWindow,
+    limits: InterlockSettings,
+    curve: LiveCurve,
+    columns: int,
+    rows: int,
 ) -> list[str]:
     """Return the panel.
 
@@ -79,7 +84,7 @@ def panel_lines(
     return [line[: columns - 1] for line in [*words, *drawn]]
 
 
-def one_line(seen: Seen) -> str:
+def one_line(seen: LatestWindow) -> str:
     """Return the panel of a small terminal.
 
     Parameters
@@ -94,7 +99,7 @@ def one_line(seen: Seen) -> str:
     )
 
 
-def state(seen: Seen) -> str:
+def state(seen: LatestWindow) -> str:
     """Say what the sweep is doing.
 
     Parameters
@@ -112,7 +117,7 @@ def state(seen: Seen) -> str:
     return f"driving, pass {row.sweep}, {'measuring' if row.settled else 'settling'}"
 
 
-def interlocks(seen: Seen, limits: InterlockSettings) -> Iterator[str]:
+def interlocks(seen: LatestWindow, limits: InterlockSettings) -> Iterator[str]:
     """Yield each interlock that watches now: what it sees, and its limit.
 
     Parameters
@@ -140,7 +145,7 @@ def _against(name: str, value: float, limit: float, unit: str) -> str:
     return f"{mark}{name} {shown}/{limit:g} {unit}"
 
 
-def _bar(seen: Seen) -> str:
+def _bar(seen: LatestWindow) -> str:
     share = seen.windows / max(seen.windows + seen.standing.windows_left, 1)
     done = round(share * _BAR)
     return f"[{'#' * done}{'-' * (_BAR - done)}] {100 * share:3.0f} %"

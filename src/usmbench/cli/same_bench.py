@@ -18,7 +18,7 @@ _WINDOWS_OF: Final = {
 }
 
 
-def another_motor(meta: Mapping[str, Any], bench: str, settings: BenchSettings) -> str | None:
+def why_another_motor(meta: Mapping[str, Any], bench: str, settings: BenchSettings) -> str | None:
     """Say why a bench does not have the motor of a run, or return None.
 
     Parameters
@@ -60,7 +60,7 @@ def check_same_bench(
     usmbench.errors.InputError
         It would; nothing has moved.
     """
-    why = another_motor(meta, bench, settings) or _another_encoder(meta, bench, settings)
+    why = why_another_motor(meta, bench, settings) or _another_encoder(meta, bench, settings)
     if why is not None:
         raise InputError(
             f"{why}; name the bench that measured it, or sweep into a folder of its own",

@@ -8,7 +8,7 @@ from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.naming.ranking import NO_CHANCE
 from usmbench.diagnose.naming.sporadic import Sporadic, find_sporadic
 from usmbench.diagnose.naming.verdict import verdict_on
-from usmbench.diagnose.residual.whole import PLAINLY
+from usmbench.diagnose.residual.whole import PLAIN_P_VALUE
 from usmbench.diagnose.result import Verdict
 
 
@@ -59,7 +59,7 @@ def held(found: Found) -> Held:
                 return without
         found, sporadic = unnamed, None
     scattered = found.count_scatter()
-    if scattered is not found and scattered.after.p_value > PLAINLY:
+    if scattered is not found and scattered.after.p_value > PLAIN_P_VALUE:
         says = "explained"
     foretold = foretold_rad_s(scattered.problem, scattered.fit)
     # Two causes and a rare day, which hides them: there is another explanation.

@@ -5,7 +5,7 @@ from math import pi
 from typing import Final
 
 from usmbench.doctor.finding import Finding, skipped
-from usmbench.doctor.short_drive import STILL_COUNTS, Driven, Seen
+from usmbench.doctor.short_drive import NO_MOTION_COUNTS, Driven, ShortDrive
 from usmbench.errors import DaqError
 from usmbench.instruments.index_check import CountsPerRev, measure_counts_per_rev
 from usmbench.instruments.nidaq_tasks import COUNTER_BITS
@@ -20,7 +20,7 @@ _DEAD_CHANNEL: Final = (
 )
 
 
-def check_motion(seen: Seen, bench: BenchSettings) -> Iterator[Finding]:
+def check_motion(seen: ShortDrive, bench: BenchSettings) -> Iterator[Finding]:
     """Judge a short drive.
 
     Parameters
@@ -36,7 +36,7 @@ def check_motion(seen: Seen, bench: BenchSettings) -> Iterator[Finding]:
         One for each check.
     """
     ways = [way for way in (seen.driven(1), seen.driven(-1)) if way.phase_deg]
-    turns = any(abs(way.travelled_rad) > STILL_COUNTS * _rad_per_count(bench) for way in ways)
+    turns = any(abs(way.travelled_rad) > NO_MOTION_COUNTS * _rad_per_count(bench) for way in ways)
     yield _check_turning(seen, ways, turns=turns)
     if not turns:
         yield from skipped(MOTION_CHECKS[1:], "the encoder shows no motion to judge")
@@ -48,7 +48,7 @@ def check_motion(seen: Seen, bench: BenchSettings) -> Iterator[Finding]:
     yield _check_counts(seen, bench)
 
 
-def _check_turning(seen: Seen, ways: list[Driven], *, turns: bool) -> Finding:
+def _check_turning(seen: ShortDrive, ways: list[Driven], *, turns: bool) -> Finding:
     if not turns and (ways or seen.error is None):
         return _no_motion(ways)
     speeds = _speeds(ways)
@@ -64,7 +64,7 @@ def _no_motion(ways: list[Driven]) -> Finding:
     if not ways:
         saw = "generator.phase_limits_deg leaves no phase at which a motor turns"
         do = "widen generator.phase_limits_deg"
-    elif edges > STILL_COUNTS:
+    elif edges > NO_MOTION_COUNTS:
         saw = f"the counter changed {edges} times and went nowhere"
         do = _DEAD_CHANNEL
     else:
@@ -103,7 +103,7 @@ def _check_direction(ways: list[Driven]) -> Finding:
     return Finding("encoder direction", "failed", f"the same sign both ways ({saw})", do)
 
 
-def _check_counts(seen: Seen, bench: BenchSettings) -> Finding:
+def _check_counts(seen: ShortDrive, bench: BenchSettings) -> Finding:
     """Hold the counts between index pulses against the bench file."""
     check, expected = MOTION_CHECKS[2], bench.counts_per_rev
     if bench.daq.index_counter is None:

@@ -26,11 +26,11 @@ _STILL_AFTER_S: Final = 0.75
 _LONGEST_S: Final = 12.0
 # Two whole revolutions from the first pulse to the third.
 _PULSES: Final = 3
-STILL_COUNTS: Final = 4
+NO_MOTION_COUNTS: Final = 4  # of all windows of one direction
 
 
 @dataclass(slots=True)
-class Seen:
+class ShortDrive:
     """Everything that a short drive showed; the sink of its sweep.
 
     Parameters
@@ -130,7 +130,7 @@ class Driven:
 
 def drive_shortly(
     bench: BenchSettings, drive: DriveControl, source: SampleSource, operator: Operator
-) -> Seen:
+) -> ShortDrive:
     """Drive the motor one way and back under the bench's interlocks.
 
     Parameters
@@ -146,10 +146,10 @@ def drive_shortly(
 
     Returns
     -------
-    Seen
+    ShortDrive
         What was seen, up to where an interlock, the board or the card stopped it.
     """
-    seen = Seen()
+    seen = ShortDrive()
     interlocks = replace(bench.interlocks, index_error_max_counts=None)
     instruments = Instruments(drive, source, operator)
     controller = SweepController(instruments, bench, interlocks, seen)
@@ -160,7 +160,7 @@ def drive_shortly(
     return seen
 
 
-def _dwells(seen: Seen, bench: BenchSettings) -> Iterator[Dwell]:
+def _dwells(seen: ShortDrive, bench: BenchSettings) -> Iterator[Dwell]:
     """Yield dwells each way until the index has shown whole revolutions, or time is up."""
     low_hz, high_hz = bench.generator.frequency_limits_hz
     frequency_hz = min(max(USUAL_FREQUENCY_HZ, low_hz), high_hz)
@@ -176,7 +176,7 @@ def _dwells(seen: Seen, bench: BenchSettings) -> Iterator[Dwell]:
             )
             number += 1
             elapsed_s += dwell_s
-            still = seen.driven(direction).edges <= STILL_COUNTS
+            still = seen.driven(direction).edges <= NO_MOTION_COUNTS
             if still and elapsed_s >= _STILL_AFTER_S and len(phases_deg) > 1:
                 phases_deg.pop(0)
 
@@ -189,7 +189,7 @@ def _phases_deg(bench: BenchSettings, direction: int) -> list[float]:
     return [copysign(min(phase_deg, limit_deg), direction) for phase_deg in PHASES_DEG]
 
 
-def _enough(seen: Seen, bench: BenchSettings, elapsed_s: float, pulses: int) -> bool:
+def _enough(seen: ShortDrive, bench: BenchSettings, elapsed_s: float, pulses: int) -> bool:
     if elapsed_s < _LEAST_S:
         return False
     if bench.daq.index_counter is None or elapsed_s >= _LONGEST_S:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from usmbench.errors import InputError
 from usmbench.identify.data import Dataset, FittedRun, Point, Segment, describe
-from usmbench.identify.wild_rows import BEYOND, wild_rows
+from usmbench.identify.wild_rows import WILD_TIMES, wild_rows
 from usmbench.runs.check_record import changed_since_closed, check_numbers, check_together
 from usmbench.runs.columns import DRIVE_COLUMN
 from usmbench.runs.doubtful_units import doubtful_units
@@ -59,7 +59,7 @@ def from_windows(records: Sequence[Record]) -> Dataset:
         if wild.any():
             row = int(np.argmax(wild))
             warnings.append(
-                f"{record.name}: {np.count_nonzero(wild)} rows are {BEYOND:g} times as fast as "
+                f"{record.name}: {np.count_nonzero(wild)} rows are {WILD_TIMES:g} times as fast as "
                 f"nearly all others and left out (first row {row}, "
                 f"{record.speed_rad_s[row]:.4g} rad/s)"
             )

@@ -15,7 +15,7 @@ from usmbench.identify.lag_family import LagFamily
 from usmbench.identify.output_error import fit_output_error
 from usmbench.identify.projected import Projected
 from usmbench.identify.robust_fit import RobustFit
-from usmbench.identify.starting_dynamics import FINELY, PLAINLY
+from usmbench.identify.starting_dynamics import FINELY, PLAIN_DEVIANCE
 
 _SHARE = 0.1  # of the sum of squares: a curve that misses corners bends time, too
 _NEAR = 20.0  # times what decides: beyond, no search from there comes near it
@@ -36,7 +36,7 @@ def without_needless_dead_time(search: RobustFit) -> tuple[RobustFit, Family]:
         The fit, and the family to go on in, which has no dead time where none is asked for.
     """
     problem, family = search.problem, search.problem.family
-    asked_for = max(PLAINLY * search.quietest_rad_s**2, _SHARE * problem.fit.sse)
+    asked_for = max(PLAIN_DEVIANCE * search.quietest_rad_s**2, _SHARE * problem.fit.sse)
     most = problem.fit.sse + asked_for
     if not isinstance(family, LagFamily) or problem.fit.parameters[1] == 0.0:
         return search, family

@@ -26,7 +26,7 @@ DEGREES = (1, 2, 4, 8, 12, 18, 24, 30, 48, 64)
 STIFFNESSES = (1e-5, 1e-4, 1e-3, 1e-2)
 _SHARES = (0.4, 0.7, 0.9)
 _WIDTHS = (0.005, 0.01, 0.025, 0.06)  # of the range of phases
-_MIDDLE_DEGREE, _BEST = 24, 3  # how knots are gathered is compared at one degree first
+_GATHERING_DEGREE, _BEST = 24, 3  # how knots are gathered is compared at one degree first
 _HIGH_DEGREE = 30  # beyond it only as long as a higher one is better
 _STANDING_ROWS, _STANDING_WEIGHT = 25, 0.1
 _MEANS, _CLOSEST = 3.0, 1.1  # standard errors of a mean, least misfits: a curve that meets them
@@ -130,7 +130,7 @@ def choose_curve(
     stiffnesses
         Strengths to compare.
     """
-    middle = min(degrees, key=lambda degree: abs(degree - _MIDDLE_DEGREE))
+    middle = min(degrees, key=lambda degree: abs(degree - _GATHERING_DEGREE))
     ways = [_Gathering(*way) for way in product(bends_deg, _SHARES, widths)]
     tries = [judge_knots(rows, way.knots_deg(span_deg, middle), stiffnesses) for way in ways]
     judged = [choice.held_out_rad_s for choice in tries]

@@ -41,7 +41,7 @@ Array = NDArray[np.float64]
 
 _FIRST_DEGREE = 12
 _FEW, _FEW_ROWS = 4, 500  # the first dynamics rest on every fourth row, in blocks
-_MIDDLE_DEGREE = 18
+_BENDS_DEGREE = 18  # of the choice that first says where the curve bends
 _ALWAYS = 13  # ordinates: stiffness holds those of a dead zone and two slopes between few phases
 
 
@@ -240,7 +240,7 @@ def _gliding(
 
 def _smooth(rows: CurveRows, degrees: tuple[int, ...], span_deg: tuple[float, float]) -> Choice:
     """Choose a curve twice: the first choice may say better where it bends."""
-    middling = min(degrees, key=lambda degree: abs(degree - _MIDDLE_DEGREE))
+    middling = min(degrees, key=lambda degree: abs(degree - _BENDS_DEGREE))
     bends_deg = bends_of_rows(rows, span_deg)
     first = choose_curve(rows, (middling,), bends_deg, span_deg)
     better_deg = joined(bends_deg, bends_of_curve(fitted_curve(rows, first)), span_deg)

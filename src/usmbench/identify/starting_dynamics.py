@@ -22,7 +22,7 @@ _STIFFNESS = 1e-4
 _ROUGHLY = 0.02  # of the sum of squares, where a search may stop
 FINELY = 1e-3
 """The same, where it decides."""
-PLAINLY = 50.0
+PLAIN_DEVIANCE = 50.0
 """Deviance that dynamics of another kind have to take: a curve that misses a corner takes some."""
 _PLAIN_SHARE = 0.03  # of the sum of squares, likewise
 _DEAD_TIMES = range(6)
@@ -93,7 +93,7 @@ def or_sampled(averaged: Projected) -> Projected:
     # Without noise there is no scale to speak of.
     mean_square = sampled.fit.sse / sum(s.speed_rad_s.size for s in sampled.stretches)
     square = min(min(residual_scales(sampled)) ** 2, mean_square)
-    least = max(PLAINLY * square, _PLAIN_SHARE * averaged.fit.sse)
+    least = max(PLAIN_DEVIANCE * square, _PLAIN_SHARE * averaged.fit.sse)
     return sampled if gained > least else averaged
 
 

@@ -7,7 +7,7 @@ from usmbench.runs.record import Record
 
 Mask = NDArray[np.bool_]
 
-_NEARLY_ALL, BEYOND = 0.99, 5.0  # of the rows; times their speed
+_NEARLY_ALL, WILD_TIMES = 0.99, 5.0  # of the rows; times their speed
 
 
 def wild_rows(record: Record) -> Mask:
@@ -20,7 +20,7 @@ def wild_rows(record: Record) -> Mask:
     """
     size = np.abs(record.speed_rad_s)
     usual = float(np.quantile(size, _NEARLY_ALL))
-    wild: Mask = size > BEYOND * usual if usual > 0.0 else np.zeros(size.size, dtype=np.bool_)
+    wild: Mask = size > WILD_TIMES * usual if usual > 0.0 else np.zeros(size.size, dtype=np.bool_)
     return wild
 
 

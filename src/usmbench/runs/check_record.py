@@ -9,7 +9,7 @@ from usmbench.errors import InputError
 from usmbench.runs.record import Record
 
 _COLUMNS = ("t_s", "phase_deg", "speed_rad_s", "frequency_hz", "torque_nm", "angle_rad")
-BEYOND = 1e12  # in whatever unit: no bench has measured as much
+BEYOND_MEASURE = 1e12  # in whatever unit: no bench has measured as much
 
 
 def check_numbers(record: Record) -> None:
@@ -31,7 +31,7 @@ def check_numbers(record: Record) -> None:
         column = getattr(record, name)
         if column is None:
             continue
-        known = np.abs(column) < BEYOND
+        known = np.abs(column) < BEYOND_MEASURE
         if not np.all(known):
             row = int(np.argmin(known))
             raise InputError(

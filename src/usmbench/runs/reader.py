@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from usmbench.errors import InputError
-from usmbench.runs.check_record import BEYOND
+from usmbench.runs.check_record import BEYOND_MEASURE
 from usmbench.runs.columns import (
     DRIVE_COLUMN,
     PAIR_COLUMNS,
@@ -31,11 +31,11 @@ _NUMBERS = (*_KNOWN, DRIVE_COLUMN)
 # What a column may hold, the ends included; 360 for those who count φ from 0.
 _LIMITS = {
     "phase_deg": (-360.0, 360.0),
-    "frequency_hz": (0.0, BEYOND),
+    "frequency_hz": (0.0, BEYOND_MEASURE),
     "settled": (0.0, 1.0),
     DRIVE_COLUMN: (0.0, 1.0),
-    "speed_std_rad_s": (0.0, BEYOND),
-    "n_windows": (0.0, BEYOND),
+    "speed_std_rad_s": (0.0, BEYOND_MEASURE),
+    "n_windows": (0.0, BEYOND_MEASURE),
     "direction": (-1.0, 1.0),
 }
 
@@ -115,7 +115,7 @@ def _checked(table: Table, names: Iterable[str]) -> dict[str, Column]:
         column = _as_column(table, name)
         if column is None:
             continue
-        low, high = _LIMITS.get(name, (-BEYOND, BEYOND))
+        low, high = _LIMITS.get(name, (-BEYOND_MEASURE, BEYOND_MEASURE))
         wrong = np.flatnonzero(~(np.isfinite(column) & (low <= column) & (column <= high)))
         if len(wrong):
             value = column[wrong[0]]

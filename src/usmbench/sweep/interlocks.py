@@ -15,7 +15,7 @@ DEAD_CHANNEL = "one encoder channel is dead; look at the wires of channels A and
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class WindowSeen:
     """What one window showed.
 
     Parameters
@@ -88,7 +88,7 @@ class InterlockState:
     proven: ProvenMotion = NOTHING_PROVEN
 
 
-def watch(state: InterlockState, seen: Seen, settings: InterlockSettings) -> InterlockState:
+def watch(state: InterlockState, seen: WindowSeen, settings: InterlockSettings) -> InterlockState:
     """Hold one window against every interlock.
 
     Parameters
@@ -143,7 +143,7 @@ def watch(state: InterlockState, seen: Seen, settings: InterlockSettings) -> Int
     return replace(running, still_s=still_s, still_counts=still_counts, still_edges=still_edges)
 
 
-def _fast_windows(state: InterlockState, seen: Seen, settings: InterlockSettings) -> int:
+def _fast_windows(state: InterlockState, seen: WindowSeen, settings: InterlockSettings) -> int:
     if abs(seen.speed_rad_s) <= settings.overspeed_rad_s:
         return 0
     if state.fast_windows + 1 >= WINDOWS_TO_TRIP:
@@ -156,7 +156,9 @@ def _fast_windows(state: InterlockState, seen: Seen, settings: InterlockSettings
     return state.fast_windows + 1
 
 
-def _moving_off_windows(state: InterlockState, seen: Seen, settings: InterlockSettings) -> int:
+def _moving_off_windows(
+    state: InterlockState, seen: WindowSeen, settings: InterlockSettings
+) -> int:
     still = abs(seen.speed_rad_s) <= settings.motion_off_rad_s
     if still or not seen.hands_off or state.off_s < settings.motion_off_after_s:
         return 0
@@ -171,7 +173,7 @@ def _moving_off_windows(state: InterlockState, seen: Seen, settings: InterlockSe
 
 
 def _no_motion(
-    still_s: float, edges: int, seen: Seen, settings: InterlockSettings
+    still_s: float, edges: int, seen: WindowSeen, settings: InterlockSettings
 ) -> InterlockError:
     driven = (
         f"driven for {still_s:.2f} s where the motor has to move, last at φ = {seen.phase_deg:g}° "
@@ -191,7 +193,7 @@ def _no_motion(
     return InterlockError(message, interlock="no_motion_after_s")
 
 
-def _check_temperature(seen: Seen, settings: InterlockSettings) -> None:
+def _check_temperature(seen: WindowSeen, settings: InterlockSettings) -> None:
     if seen.temperature_c is not None and seen.temperature_c > settings.temperature_max_c:
         raise InterlockError(
             f"too hot: {seen.temperature_c:.1f} °C (limit temperature_max_c "
@@ -200,7 +202,7 @@ def _check_temperature(seen: Seen, settings: InterlockSettings) -> None:
         )
 
 
-def _check_index(seen: Seen, settings: InterlockSettings) -> None:
+def _check_index(seen: WindowSeen, settings: InterlockSettings) -> None:
     limit, error = settings.index_error_max_counts, seen.index_error_counts
     if limit is None or error is None or abs(error) <= limit:
         return

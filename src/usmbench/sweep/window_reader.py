@@ -9,7 +9,7 @@ from usmbench.instruments.encoder import EncoderGeometry, EncoderState, WindowMo
 from usmbench.instruments.samples import SampleBlock, SampleSource
 from usmbench.settings.bench import BenchSettings, InterlockSettings
 from usmbench.sweep.drive import CommandedDrive, Setting
-from usmbench.sweep.interlocks import STILL_COUNTS, InterlockState, Seen, watch
+from usmbench.sweep.interlocks import STILL_COUNTS, InterlockState, WindowSeen, watch
 from usmbench.sweep.rows import WindowRow
 from usmbench.sweep.settling import Settling
 
@@ -152,14 +152,14 @@ class WindowReader:
         seen = self._seen(last, hands_off)
         self.interlocks = watch(self.interlocks, seen, self._interlock_settings)
 
-    def _seen(self, last: _Window, hands_off: bool) -> Seen:
+    def _seen(self, last: _Window, hands_off: bool) -> WindowSeen:
         block, motion, setting = last.block, last.motion, last.setting
         edges = 0
         if abs(motion.counts) <= STILL_COUNTS and (
             setting.drive_on or motion.index_error_counts is not None
         ):
             edges = int(np.count_nonzero(np.diff(block.counts)))
-        return Seen(
+        return WindowSeen(
             setting.phase_deg,
             setting.frequency_hz,
             setting.torque_nm,

@@ -3,7 +3,7 @@ from dataclasses import replace
 import pytest
 
 from usmbench.cli.live_curve import LiveCurve
-from usmbench.cli.live_text import LEAST_COLUMNS, LEAST_ROWS, Seen, panel_lines
+from usmbench.cli.live_text import LEAST_COLUMNS, LEAST_ROWS, LatestWindow, panel_lines
 from usmbench.settings.bench import InterlockSettings
 from usmbench.sweep.interlocks import InterlockState
 from usmbench.sweep.observer import Standing
@@ -11,10 +11,10 @@ from usmbench.sweep.rows import WindowRow
 
 ROW = WindowRow(1.0, 45.0, 7.125, 41_000.0, 0.1, 0.0, 0.01, 2, 1, 7.1, 1)
 # 100 windows in 2 s, though each is 10 ms of sample time: 9900 more take 198 s.
-SEEN = Seen(ROW, Standing(9_900, InterlockState(still_s=0.45, driven_s=61.4)), 100, 2.0)
+SEEN = LatestWindow(ROW, Standing(9_900, InterlockState(still_s=0.45, driven_s=61.4)), 100, 2.0)
 
 
-def panel(seen: Seen, columns: int = 100, rows: int = 40) -> str:
+def panel(seen: LatestWindow, columns: int = 100, rows: int = 40) -> str:
     lines = panel_lines("plan → runs/one", seen, InterlockSettings(), LiveCurve(), columns, rows)
     assert len(lines) < rows
     assert max(map(len, lines)) < columns

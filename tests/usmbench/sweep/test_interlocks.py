@@ -5,23 +5,23 @@ import pytest
 
 from usmbench.errors import InterlockError, LostCountsError
 from usmbench.settings.bench import InterlockSettings
-from usmbench.sweep.interlocks import InterlockState, Seen, watch
+from usmbench.sweep.interlocks import InterlockState, WindowSeen, watch
 
 LIMITS = InterlockSettings()
 # Ten windows of 10 ms at 9 rad/s and full phase: all is well.
-WELL = Seen(90.0, 41_000.0, 0.0, True, 9.0, 29, 29, 0.01)
+WELL = WindowSeen(90.0, 41_000.0, 0.0, True, 9.0, 29, 29, 0.01)
 STILL = replace(WELL, speed_rad_s=0.0, counts=0, edges=0)
 OFF = replace(STILL, phase_deg=0.0, drive_on=False)
 
 
-def run(windows: list[Seen], limits: InterlockSettings = LIMITS) -> InterlockState:
+def run(windows: list[WindowSeen], limits: InterlockSettings = LIMITS) -> InterlockState:
     state = InterlockState()
     for seen in windows:
         state = watch(state, seen, limits)
     return state
 
 
-def trip(windows: list[Seen], limits: InterlockSettings = LIMITS) -> InterlockError:
+def trip(windows: list[WindowSeen], limits: InterlockSettings = LIMITS) -> InterlockError:
     run(windows[:-1], limits)
     with pytest.raises(InterlockError) as caught:
         run(windows, limits)

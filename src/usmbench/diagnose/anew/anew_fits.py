@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
-class Judged:
+class CrossValidated:
     """A fit, those to three quarters of the blocks, and what they leave of the fourth.
 
     Parameters
@@ -111,7 +111,7 @@ def fit_curve(
     return min(found, key=lambda fit: fit.mean_square)
 
 
-def judge(stretches: Sequence[Stretch], fit: Estimated) -> Judged:
+def cross_validate(stretches: Sequence[Stretch], fit: Estimated) -> CrossValidated:
     """Fit all blocks but every fourth, and see what that leaves of these.
 
     Parameters
@@ -131,7 +131,7 @@ def judge(stretches: Sequence[Stretch], fit: Estimated) -> Judged:
         for own, left, rows in zip(unseen, folds[-1].left_rad_s, held, strict=True):
             own[rows] = left[rows]
     left = np.concatenate([own[s.use] for s, own in zip(stretches, unseen, strict=True)])
-    return Judged(fit, tuple(folds), tuple(unseen), float(np.mean(left**2)))
+    return CrossValidated(fit, tuple(folds), tuple(unseen), float(np.mean(left**2)))
 
 
 def _rows(stretches: Sequence[Stretch], curve: StaticCurve) -> list[Mask]:

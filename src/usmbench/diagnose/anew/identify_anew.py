@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from scipy.stats import t, ttest_1samp
 
 from usmbench.diagnose.anew.anew_fits import (
-    Judged,
+    CrossValidated,
+    cross_validate,
     fits_beneath,
-    judge,
     plain_fits,
 )
 from usmbench.diagnose.anew.through_counter import Estimated
@@ -59,7 +59,7 @@ class Anew:
     stretches: tuple[Stretch, ...]
     model: HammersteinModel
     applied: Applied
-    judged: Judged
+    judged: CrossValidated
     p_value: float
 
     def told(self, rest: Diagnosis) -> Diagnosis:
@@ -165,10 +165,10 @@ def identified_anew(
     beneath = [e for e in effects if e.beneath(contexts, measured, simulated)]
     if not beneath:
         return None
-    plains = [judge(some, fit) for fit in plain_fits(some, model)]
+    plains = [cross_validate(some, fit) for fit in plain_fits(some, model)]
     plain = best = min(plains, key=lambda judged: judged.mean_square)
     for fit in (fit for effect in beneath for fit in fits_beneath(some, model, effect)):
-        judged = judge(some, fit)
+        judged = cross_validate(some, fit)
         if _SIMPLER * judged.mean_square < best.mean_square:
             best = judged
     p_value = _p_value(some, plain, best)
@@ -178,7 +178,7 @@ def identified_anew(
     return anew if anew.gain(0.0).gain > 0.0 else None
 
 
-def _p_value(stretches: Sequence[Stretch], plain: Judged, best: Judged) -> float:
+def _p_value(stretches: Sequence[Stretch], plain: CrossValidated, best: CrossValidated) -> float:
     """Probability of as much less on unseen blocks by chance: a t test over their ratios."""
     table = np.zeros((2, BLOCKS))
     for s, before, after in zip(stretches, plain.unseen_rad_s, best.unseen_rad_s, strict=True):

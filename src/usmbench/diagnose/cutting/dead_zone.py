@@ -25,7 +25,7 @@ def highest_rad_s(stretch: Stretch) -> Array:
     return np.abs(context.settled_rad_s(np.full(context.n, top_deg)))
 
 
-def dead_zone_deg(stretch: Stretch, stands: float = STANDING) -> Array:
+def edge_of_standstill_deg(stretch: Stretch, stands: float = STANDING) -> Array:
     """Return where the dead zone ends on the side of each row's phase, as a size, shape (N,).
 
     Parameters

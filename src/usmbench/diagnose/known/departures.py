@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.cutting.dead_zone import dead_zone_deg, highest_rad_s
+from usmbench.diagnose.cutting.dead_zone import edge_of_standstill_deg, highest_rad_s
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.shapes import (
     detuned_rad_s,
@@ -54,7 +54,7 @@ def departures(stretch: Stretch, habits: Sequence[Applied], n_constants: int) ->
     stuck = -np.sign(share) * np.interp(np.abs(share), _STICKING, (0.0, 1.0, 0.0))
     gain, held, wider, detuned = changes = _changes(stretch)
     fast = 2.0 * np.minimum(np.abs(share), 1.0) - 1.0
-    side, beyond_deg = np.sign(stretch.context.phase_deg), dead_zone_deg(stretch)
+    side, beyond_deg = np.sign(stretch.context.phase_deg), edge_of_standstill_deg(stretch)
     toward_end = (np.abs(stretch.context.phase_deg) - beyond_deg) / (CREST_DEG - beyond_deg)
     places = np.column_stack((fast, *stretch.places))
     found = {

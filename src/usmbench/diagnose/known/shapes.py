@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.cutting.dead_zone import STANDING, dead_zone_deg, highest_rad_s
+from usmbench.diagnose.cutting.dead_zone import STANDING, edge_of_standstill_deg, highest_rad_s
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.model.effects.first_order import later
 from usmbench.model.hammerstein import CREST_DEG, LinearPart
@@ -133,7 +133,8 @@ def widening(stretch: Stretch, wider_deg: Array | float = 1.0) -> Array:
     context = stretch.context
     phase_deg, way = context.phase_deg, np.sign(context.phase_deg)
     # A curve is smoother than the straight lines between its nodes, but not where it starts.
-    reach_deg = 0.5 * np.clip(np.abs(phase_deg) - dead_zone_deg(stretch), _NEAR_DEG, _FAR_DEG)
+    outside_deg = np.abs(phase_deg) - edge_of_standstill_deg(stretch)
+    reach_deg = 0.5 * np.clip(outside_deg, _NEAR_DEG, _FAR_DEG)
     # Not over the crest, beyond which it comes back.
     short_deg = CREST_DEG - np.abs(phase_deg)
     outward_deg = np.where(short_deg >= 0.0, np.minimum(reach_deg, short_deg), reach_deg)
@@ -155,7 +156,7 @@ def widening_by_share(stretch: Stretch, share: Array | float = 1.0) -> Array:
     share
         Of the width of the side that each row's phase is on, shape (N,), or of both.
     """
-    return widening(stretch, dead_zone_deg(stretch) * share)
+    return widening(stretch, edge_of_standstill_deg(stretch) * share)
 
 
 def speed_share(stretch: Stretch) -> Array:

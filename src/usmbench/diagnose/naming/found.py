@@ -16,7 +16,7 @@ from usmbench.diagnose.naming.chance import chancy_of, leaves_scatter
 from usmbench.diagnose.naming.ranking import TELLING, Ranked
 from usmbench.diagnose.naming.remainder import LOUD, LOUD_ALONE
 from usmbench.diagnose.residual.problem import Problem
-from usmbench.diagnose.residual.whole import PLAINLY, Whole, doubted_test
+from usmbench.diagnose.residual.whole import PLAIN_P_VALUE, Whole, doubted_test
 
 Array = NDArray[np.float64]
 
@@ -86,7 +86,7 @@ class Found:
         """
         n_rows, beyond = self.problem.n_rows, self.beyond_noise
         rows = Whole(beyond, float(chi2.sf(beyond + n_rows, n_rows)), n_rows)
-        shown = any(w.beyond(PLAINLY, _LEAST_EXCESS) for w in (self.before, rows))
+        shown = any(w.beyond(PLAIN_P_VALUE, _LEAST_EXCESS) for w in (self.before, rows))
         return shown or self.before.beyond(_SURE, _LEAST_SURE) or self.spread > LOUD_ALONE
 
     @property
@@ -158,7 +158,7 @@ class Found:
     @property
     def leaves_more(self) -> bool:
         """Whether the views show more of what is left than the names explain."""
-        return self.after.p_value < PLAINLY and self.after.excess > self.explained
+        return self.after.p_value < PLAIN_P_VALUE and self.after.excess > self.explained
 
     def drop_names(self) -> "Found":
         """Return the same where no name stands: of a motor that does not show what was named."""

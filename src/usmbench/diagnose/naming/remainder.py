@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2, norm, poisson
 
 from usmbench.diagnose.residual.problem import Problem
-from usmbench.diagnose.residual.whole import PLAINLY, Whole, excused
+from usmbench.diagnose.residual.whole import PLAIN_P_VALUE, Whole, excused
 from usmbench.diagnose.result import Remainder, View
 from usmbench.model.extended import Applied
 
@@ -96,23 +96,23 @@ class Beyond:
     def says(self) -> str:
         """Return the sentence of what of it is beyond chance, the plainest first."""
         by_chance = 2.0 * float(norm.sf(_FAR)) * self.n_rows
-        if poisson.sf(self.n_far - 1, by_chance) < PLAINLY:
+        if poisson.sf(self.n_far - 1, by_chance) < PLAIN_P_VALUE:
             return (
                 "single windows are off by more than noise leaves, though no view by itself shows "
                 f"it: {self.n_far} of {self.n_rows} by more than {_FAR:g} times the noise, where "
                 f"chance leaves {by_chance:.2g}, most {self.where}"
             )
-        if self.p_rows < PLAINLY:
+        if self.p_rows < PLAIN_P_VALUE:
             return (
                 "all windows together show more than noise leaves, though no view does by itself: "
                 f"{self.times_noise:.3g} times as much (root mean square), most {self.where}"
             )
-        if self.p_views < PLAINLY:
+        if self.p_views < PLAIN_P_VALUE:
             return (
                 "all views together show more than noise leaves, though none of them does by "
                 f"itself: chance shows as much in one run of {1.0 / max(self.p_views, _SELDOM):.0e}"
             )
-        if self.p_excused < PLAINLY:
+        if self.p_excused < PLAIN_P_VALUE:
             return (
                 "what is left looks like an error of the model itself, but larger than the runs "
                 "it was identified on let one expect"

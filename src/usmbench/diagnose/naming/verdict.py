@@ -9,7 +9,7 @@ from usmbench.diagnose.naming.chance import chancy_of, leaves_scatter
 from usmbench.diagnose.naming.found import LEFT_PARTLY, Found
 from usmbench.diagnose.naming.ranking import NO_CHANCE
 from usmbench.diagnose.naming.sporadic import Sporadic
-from usmbench.diagnose.residual.whole import PLAINLY, Whole, excused
+from usmbench.diagnose.residual.whole import PLAIN_P_VALUE, Whole, excused
 from usmbench.diagnose.result import Verdict
 
 _MOST_NAMED = 2  # where a third earns its place, too, it is more likely that none is the cause
@@ -35,7 +35,7 @@ def verdict_on(found: Found, sporadic: Sporadic | None) -> Verdict:
     # Windows that stand alone are not the matter where most is wrong elsewhere.
     elsewhere = max(found.before.excess, _MOSTLY * found.off_in_all)
     if sporadic is not None and sporadic.deviance > elsewhere:
-        return "explained" if found.before.p_value > PLAINLY else "partly_explained"
+        return "explained" if found.before.p_value > PLAIN_P_VALUE else "partly_explained"
     return _on_nothing_named(found)
 
 
@@ -76,6 +76,6 @@ def by_share_left(before: Whole, after: Whole, statistic: float) -> Verdict:
         Drop of the deviance that they bring.
     """
     share = after.excess / max(before.excess, statistic, 1e-12)
-    if after.p_value > PLAINLY or share < _LEFT_EXPLAINED:
+    if after.p_value > PLAIN_P_VALUE or share < _LEFT_EXPLAINED:
         return "explained"
     return "unexplained" if share > LEFT_PARTLY and after.material else "partly_explained"

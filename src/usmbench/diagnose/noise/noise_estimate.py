@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.cutting.dead_zone import dead_zone_deg
+from usmbench.diagnose.cutting.dead_zone import edge_of_standstill_deg
 from usmbench.diagnose.cutting.stretches import Mask, Stretch
 from usmbench.diagnose.noise.colour import taken_by_fit
 from usmbench.diagnose.noise.levels import levels
@@ -89,7 +89,7 @@ def _at_all_phases(stretches: Sequence[Stretch], rows: Mask, turning: Mask) -> b
 def _dead_zone_deg(stretches: Sequence[Stretch]) -> tuple[float, float]:
     """Lowest and highest phase at which the rotor stands at every operating point."""
     phase_deg = np.concatenate([s.context.phase_deg for s in stretches])
-    size_deg = np.concatenate([dead_zone_deg(s, _AT_REST) for s in stretches])
+    size_deg = np.concatenate([edge_of_standstill_deg(s, _AT_REST) for s in stretches])
     low, high = (
         float(np.min(size_deg[way * phase_deg > 0.0], initial=180.0)) for way in (-1.0, 1.0)
     )

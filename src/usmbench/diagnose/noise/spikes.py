@@ -18,7 +18,7 @@ _PARTS = 8  # of the speeds, from slow to fast
 _MOST_ALONE, _MOST_IN_PART = 0.1, 0.25  # more is no exception
 _BESIDE, _AS_OTHERS = 11, 0.5  # windows; of what a window is off by
 PLAIN = 7.0  # so far that only a miscount remains
-FAR = 6.0  # standard deviations: once in 5·10⁸ windows of normal noise
+_FAR = 6.0  # standard deviations: once in 5·10⁸ windows of normal noise
 
 
 def spiked(
@@ -27,7 +27,7 @@ def spiked(
     noise: Noise,
     *,
     near_steps: bool,
-    times: float = FAR,
+    times: float = _FAR,
 ) -> list[Mask]:
     """Return the windows whose residual stands alone.
 

@@ -10,7 +10,7 @@ from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.views import omnibus
 from usmbench.model.extended import Applied
 
-PLAINLY = 1e-3  # that the views together show something
+PLAIN_P_VALUE = 1e-3  # that the views together show something
 _MATERIAL = 0.1  # of the noise's mean square
 
 
@@ -35,7 +35,7 @@ class Whole:
     @property
     def material(self) -> bool:
         """Whether there is more than a trifle."""
-        return self.beyond(PLAINLY, _MATERIAL)
+        return self.beyond(PLAIN_P_VALUE, _MATERIAL)
 
     def beyond(self, p_value: float, share: float) -> bool:
         """Return whether there is more than chance and a trifle leave.

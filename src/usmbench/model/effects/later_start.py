@@ -56,7 +56,7 @@ class LaterStart(Effect):
 
 
 @dataclass(frozen=True)
-class WiderDeadZone(LaterStart):
+class EdgesFartherOut(LaterStart):
     """The rotor stands h degrees farther, outward and inward bound: no cause, the curve is off.
 
     Parameters
@@ -152,4 +152,4 @@ def standing_rad_s(context: Context, share: float = _STANDING) -> float:
     return share * highest_settled_rad_s([context])
 
 
-WIDER = tuple(WiderDeadZone(sides) for sides in ((-1.0, 1.0), (1.0,), (-1.0,)))
+WIDER = tuple(EdgesFartherOut(sides) for sides in ((-1.0, 1.0), (1.0,), (-1.0,)))

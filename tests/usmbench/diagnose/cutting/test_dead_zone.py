@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.cut_runs import cut_runs
-from usmbench.diagnose.cutting.dead_zone import STANDING, dead_zone_deg
+from usmbench.diagnose.cutting.dead_zone import STANDING, edge_of_standstill_deg
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
@@ -41,8 +41,8 @@ def _stretch(low_deg: float, high_deg: float) -> Stretch:
 @given(st.floats(-30.0, 0.0), st.floats(0.0, 30.0))
 def test_its_ends_are_found_on_both_sides(low_deg: float, high_deg: float) -> None:
     stretch = _stretch(low_deg, high_deg)
-    phase_deg, found = stretch.context.phase_deg, dead_zone_deg(stretch)
+    phase_deg, found = stretch.context.phase_deg, edge_of_standstill_deg(stretch)
     creeps_deg = 25.0 * np.arctanh(STANDING)
     assert found[phase_deg > 0.0] == pytest.approx(high_deg + creeps_deg, abs=0.1)
     assert found[phase_deg < 0.0] == pytest.approx(-low_deg + creeps_deg, abs=0.1)
-    assert dead_zone_deg(stretch, 1e-4)[0] == pytest.approx(found[0] - creeps_deg, abs=0.1)
+    assert edge_of_standstill_deg(stretch, 1e-4)[0] == pytest.approx(found[0] - creeps_deg, abs=0.1)

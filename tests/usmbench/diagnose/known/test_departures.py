@@ -7,7 +7,7 @@ import pytest
 
 from tests.usmbench.diagnose.known.wandering_motor import driven, slipping_motor
 from usmbench.diagnose.cutting.cut_runs import cut_runs
-from usmbench.diagnose.cutting.dead_zone import dead_zone_deg
+from usmbench.diagnose.cutting.dead_zone import edge_of_standstill_deg
 from usmbench.diagnose.known.departures import departures
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.effects.registry import find_effect
@@ -69,7 +69,8 @@ def test_what_wanders_passes_through_the_lag_as_the_speed_does() -> None:
     record = Record("run", t_s, phase_deg, np.zeros(n), np.full(n, 0.01))
     (stretch,), _ = cut_runs([record], HammersteinModel(linear, (point,), "test"), ())
     _, tilted, *_, wider, one_sided, at_ends = departures(stretch, (), 1).T[:8]
-    settled, way, edge_deg = stretch.settled_rad_s, np.sign(phase_deg), dead_zone_deg(stretch)
+    settled, way = stretch.settled_rad_s, np.sign(phase_deg)
+    edge_deg = edge_of_standstill_deg(stretch)
     fast = 2.0 * np.abs(settled) / np.max(np.abs(settled)) - 1.0
     inside_deg = 1e-3 * edge_deg
     toward_end = np.clip((np.abs(phase_deg) - edge_deg) / (90.0 - edge_deg), 0.0, 1.0)
