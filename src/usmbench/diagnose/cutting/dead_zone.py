@@ -4,11 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.model.effects.later_start import STANDING
 
 Array = NDArray[np.float64]
 
-STANDING = 0.01
-"""Share of the highest speed: in the dead zone a fitted curve is not exactly 0."""
 _HALVINGS = 12  # of the range, to a fiftieth of a degree
 
 

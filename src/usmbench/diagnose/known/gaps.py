@@ -7,7 +7,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from usmbench.diagnose.cutting.dead_zone import STANDING
+from usmbench.model.effects.later_start import STANDING
 
 Array = NDArray[np.float64]
 

@@ -6,9 +6,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.cutting.dead_zone import STANDING, edge_of_standstill_deg, highest_rad_s
+from usmbench.diagnose.cutting.dead_zone import edge_of_standstill_deg, highest_rad_s
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.model.effects.first_order import later
+from usmbench.model.effects.later_start import STANDING
 from usmbench.model.hammerstein import CREST_DEG, LinearPart
 from usmbench.model.linear import free_run, from_rest
 

@@ -11,7 +11,11 @@ from usmbench.model.effects.base import Array, Effect, Values
 from usmbench.model.effects.context import Context, highest_settled_rad_s
 from usmbench.model.effects.parameter import Parameter
 
-_STANDING = 0.01  # share of the highest settled speed of the stretch below which the rotor stands
+STANDING = 0.01
+"""Share of the highest settled speed below which the rotor stands: a fitted curve is not exactly 0.
+
+A diagnosis takes the edges of the dead zone by the same.
+"""
 _MANY_STARTS, _APART = 100, 1.1  # of more, those whose widths are that much larger than the last
 _TURN_DEG = 360.0  # more than any phase
 _HALVINGS, _DIGITS = 14, 2  # enough for a hundredth of a degree
@@ -139,7 +143,7 @@ def _farthest(phase_deg: Array, stands: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return farthest
 
 
-def standing_rad_s(context: Context, share: float = _STANDING) -> float:
+def standing_rad_s(context: Context, share: float = STANDING) -> float:
     """Return the settled speed below which the rotor counts as standing.
 
     Parameters

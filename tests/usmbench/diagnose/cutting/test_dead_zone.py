@@ -9,9 +9,10 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.cut_runs import cut_runs
-from usmbench.diagnose.cutting.dead_zone import STANDING, edge_of_standstill_deg
+from usmbench.diagnose.cutting.dead_zone import edge_of_standstill_deg
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.model.effects.first_order import first_order
+from usmbench.model.effects.later_start import STANDING
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
 from usmbench.runs.record import Record
 
