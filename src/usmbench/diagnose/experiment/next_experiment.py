@@ -125,10 +125,7 @@ def propose(
     design = _Design(question, records, model)
     # These runs did not decide it, whatever the simulation promises: at most a guess is left.
     before = min(_odds(design.margin(None)), 1.0 / len(question.rivals))
-    # A model is surest of phases that are held: of restless commands its runs taught it little.
-    best, margin = _best(design, [e for e in menu(where) if e.hold_windows >= _HELD_WINDOWS])
-    if _odds(margin) < _ENOUGH:
-        best, margin = _best(design, menu(where))
+    best, margin = _best(design, menu(where))
     chosen = best
     for times in _LONGER:
         if _odds(margin) >= _ENOUGH:
@@ -206,8 +203,21 @@ class _Design:
 
 
 def _best(design: _Design, experiments: Sequence[Experiment]) -> tuple[Experiment, float]:
-    """Return the experiment under which the closest two lie farthest apart, and how far."""
-    return max(((e, design.margin(e)) for e in experiments), key=lambda pair: pair[1])
+    """Return the experiment under which the closest two lie farthest apart, and how far.
+
+    A model is surest of phases that are held, so those that hold theirs come first: of restless
+    commands its runs taught it little.
+    """
+    held = [e.hold_windows >= _HELD_WINDOWS for e in experiments]
+    margins = [
+        design.margin(e) if holds else -math.inf for e, holds in zip(experiments, held, strict=True)
+    ]
+    if _odds(max(margins)) < _ENOUGH:
+        margins = [
+            known if holds else design.margin(e)
+            for e, holds, known in zip(experiments, held, margins, strict=True)
+        ]
+    return max(zip(experiments, margins, strict=True), key=lambda pair: pair[1])
 
 
 def _odds(margin: float) -> float:
