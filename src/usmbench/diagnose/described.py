@@ -193,7 +193,7 @@ def _estimates(applied: Applied, ranges: dict[str, tuple[float, float]]) -> tupl
 
 def _candidate(r: Ranked, found: Found) -> Candidate:
     """Describe a cause of the library."""
-    basis_share = min(r.statistic / max(found.before.excess, r.statistic, 1e-12), 1.0)
+    explained = r.statistic / max(found.before.excess, r.statistic, 1e-12)
     return Candidate(
         r.effect.name,
         r.effect.form,
@@ -201,7 +201,7 @@ def _candidate(r: Ranked, found: Found) -> Candidate:
         r.statistic,
         len(r.effect.parameters),
         r.p_value,
-        basis_share,
+        explained,
         _estimates(r.fit.effects[-1], {}),
         r.misfit,
     )

@@ -75,7 +75,7 @@ def _counted(n: int) -> str:
 def _candidate_cells(candidate: Candidate, tag: str) -> tuple[str, ...]:
     """Cells of one cause's row."""
     form = f' <span class="how">{escaped(candidate.form)}</span>' if candidate.form else ""
-    share = min(max(candidate.explained, 0.0), 1.0)
+    share = candidate.explained
     sizes = ", ".join(
         f"{escaped(quantity(p.name, p.unit))} {escaped(sized(p.value, p.unit))}"
         for p in candidate.parameters
