@@ -50,58 +50,74 @@ def _passes(where: Range) -> Iterator[tuple[str, Document]]:
     """Yield rates, directions, dwells, the dead zone, loads and frequencies."""
     windows = round(_duration_s(where) / where.window_s)
     even = _even(where.low_deg, where.high_deg, _STAIRS)
-    slow = _dwell(max(windows // (2 * len(even)), _SHORTEST_DWELL))
-    fast = max(windows // (16 * len(even)), _SHORTEST_DWELL)
     both = {"phase_deg": even, "direction": "both"}
+    slow = _dwell(windows // (2 * len(even)))
     yield "a slow staircase, up and down", {"passes": [both], "dwell": slow}
-    yield (
-        "the same staircase, far faster and repeated",
-        {
-            "passes": [{**both, "repeats": max(round(windows / (2 * len(even) * fast)), 1)}],
-            "dwell": _dwell(fast),
-        },
-    )
+    yield _fast_staircase(both, windows)
+    yield _triangles(where, windows)
+    one_way = [{"phase_deg": even, "direction": "rising", "repeats": 2}]
+    yield "a staircase that only rises, twice", {"passes": one_way, "dwell": slow}
+    yield _held_long(where, windows)
+    yield from _dead_zone(where, windows)
+    yield from _loads(where, {"passes": [both], "dwell": slow})
+    half = _dwell(windows // (4 * len(even)))
+    yield from _frequencies(where, {"passes": [both], "dwell": half})
+
+
+def _fast_staircase(both: Document, windows: int) -> tuple[str, Document]:
+    """Return a staircase, up and down, of dwells an eighth as long, repeated."""
+    stairs = len(both["phase_deg"])
+    dwell = _dwell(windows // (16 * stairs))
+    repeats = max(round(windows / (2 * stairs * dwell["windows"])), 1)
+    says = "the same staircase, far faster and repeated"
+    return says, {"passes": [{**both, "repeats": repeats}], "dwell": dwell}
+
+
+def _triangles(where: Range, windows: int) -> tuple[str, Document]:
+    """Return triangles of fine steps and of steps four times as high."""
     steps = windows // (4 * _SHORTEST_DWELL)
     fine, coarse = (_even(where.low_deg, where.high_deg, max(n, 2)) for n in (steps, steps // 4))
     two = [
         {"phase_deg": fine, "direction": "both"},
         {"phase_deg": coarse, "direction": "both", "repeats": 4},
     ]
-    yield "triangles at two rates, 1 to 4", {"passes": two, "dwell": _dwell(_SHORTEST_DWELL)}
-    one_way = [{"phase_deg": even, "direction": "rising", "repeats": 2}]
-    yield "a staircase that only rises, twice", {"passes": one_way, "dwell": slow}
-    yield "a few phases held long, up and down", _held_long(where, windows)
+    return "triangles at two rates, 1 to 4", {"passes": two, "dwell": _dwell(_SHORTEST_DWELL)}
+
+
+def _held_long(where: Range, windows: int) -> tuple[str, Document]:
+    """Return five phases, each long enough to show a drift."""
+    few = _even(where.low_deg, where.high_deg, 5)
+    passes = [{"phase_deg": few, "direction": "both"}]
+    says = "a few phases held long, up and down"
+    return says, {"passes": passes, "dwell": _dwell(windows // (2 * len(few)))}
+
+
+def _dead_zone(where: Range, windows: int) -> Iterator[tuple[str, Document]]:
+    """Yield small steps through the dead zone, where it is within reach."""
     low_deg, high_deg = where.dead_zone_deg
     reach_deg = 1.5 * max(high_deg - low_deg, 2.0)
-    low_deg, high_deg = (
-        max(where.low_deg, low_deg - reach_deg),
-        min(where.high_deg, high_deg + reach_deg),
-    )
+    low_deg = max(where.low_deg, low_deg - reach_deg)
+    high_deg = min(where.high_deg, high_deg + reach_deg)
     if low_deg < high_deg:
         near = {"phase_deg": _even(low_deg, high_deg, _STAIRS), "direction": "both", "repeats": 2}
-        yield (
-            "small steps through the dead zone, to and fro",
-            {"passes": [near], "dwell": _dwell(max(windows // (4 * _STAIRS), _SHORTEST_DWELL))},
-        )
+        says = "small steps through the dead zone, to and fro"
+        yield says, {"passes": [near], "dwell": _dwell(windows // (4 * _STAIRS))}
+
+
+def _loads(where: Range, staircase: Document) -> Iterator[tuple[str, Document]]:
+    """Yield a staircase at all load torques, where there are several."""
     if len(where.torque_nm) > 1:
         torques_nm = sorted(where.torque_nm)
-        loads = {"torque_nm": torques_nm, "load": "operator"}
         says = f"the slow staircase at {len(torques_nm)} load torques"
-        yield says, {"passes": [both], "dwell": slow, **loads}
+        yield says, {**staircase, "torque_nm": torques_nm, "load": "operator"}
+
+
+def _frequencies(where: Range, staircase: Document) -> Iterator[tuple[str, Document]]:
+    """Yield a staircase at two drive frequencies, the runs' own and each other one."""
     here_hz, *others_hz = where.frequency_hz
-    half = _dwell(max(windows // (4 * len(even)), _SHORTEST_DWELL))
     for other_hz in others_hz:
         says = f"a staircase, up and down, at {here_hz:g} Hz and at {other_hz:g} Hz"
-        yield says, {"passes": [both], "dwell": half, "frequency_hz": [here_hz, other_hz]}
-
-
-def _held_long(where: Range, windows: int) -> Document:
-    """Five phases, each long enough to show a drift."""
-    few = _even(where.low_deg, where.high_deg, 5)
-    return {
-        "passes": [{"phase_deg": few, "direction": "both"}],
-        "dwell": _dwell(windows // (2 * len(few))),
-    }
+        yield says, {**staircase, "frequency_hz": [here_hz, other_hz]}
 
 
 def _free(where: Range) -> Iterator[tuple[str, Document]]:
