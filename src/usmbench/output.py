@@ -19,7 +19,11 @@ def drop_output(stream: TextIO | None = None) -> None:
     """
     stream = sys.stdout if stream is None else stream
     with suppress(OSError, ValueError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+        lost = stream.fileno()
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, lost)
+        if nowhere != lost:  # as where the stream was closed before
+            os.close(nowhere)
 
 
 def print_or_drop(text: object, stream: TextIO | None = None) -> None:
