@@ -176,7 +176,11 @@ def _number_hint(value: Any) -> str:
         number = float(value) if isinstance(value, str) else None
     except ValueError:
         number = None
-    return "" if number is None else f"; to YAML that is text: write {number}"
+    if number is None:
+        return ""
+    digits, e, exponent = repr(number).partition("e")
+    point = ".0" if e and "." not in digits else ""
+    return f"; to YAML that is text: write {digits}{point}{e}{exponent}"
 
 
 def _misfit(fault: _Fault) -> str:

@@ -217,7 +217,9 @@ def _check_numbers(source: Source, value: Any, path: PathInDocument) -> None:
         for index, item in enumerate(value):
             _check_numbers(source, item, (*path, index))
     elif isinstance(value, int | float) and not abs(value) <= MAX_NUMBER:
-        shown = "not a number" if math.isnan(value) else "too large a number"
+        # No float holds a whole number of 400 digits, to ask whether it is one.
+        unordered = isinstance(value, float) and math.isnan(value)
+        shown = "not a number" if unordered else "too large a number"
         raise source.error(path, f"{shown}; choose one up to {MAX_NUMBER:g}")
 
 

@@ -65,6 +65,7 @@ PASS = "passes: [{phase_deg: [0, 10]}]\n"
         (PASS + "dwell: {windows: 15}\n", 4, "choose at least 16"),
         (PASS + "dwell: {windows: 50, extend_to_windows: 40}\n", 4, "choose at least 50"),
         (PASS + "dwell:\n  settle:\n    relative: 41e3\n", 6, "write 41000.0"),
+        (PASS + "dwell:\n  settle:\n    relative: 1e-300\n", 6, "write 1.0e-300"),
         (PASS + "excitation: {kind: telegraph, amplitude_deg: 9, duration_s: 1}\n", 1, "both"),
         ("name: nothing\n", 1, "neither passes nor excitation"),
         (PASS + "limits: {overspeed_rad_s: 0}\n", 4, "0 is not above 0; choose more than 0"),

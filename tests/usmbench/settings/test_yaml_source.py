@@ -64,6 +64,7 @@ def test_any_file_is_a_document_or_bad_input(
         ("a: 1\nb: [1,\n", 3, "not YAML"),
         ("a: 1\nb: .nan\n", 2, "b: not a number"),
         ("a: 1\nb: [0, 1.0e+300]\n", 2, "b[1]: too large"),
+        ("a: 1\nb: 1" + 400 * "0" + "\n", 2, "b: too large"),
         ("a: 1\nb:\n  on: 3\n", 3, "plain word, not 'on'"),
         ("a: &a {b: 1}\nc: {<<: *a}\n", 2, "plain word, not '<<'"),
         ("? [1, 2]\n: 3\n", 1, "plain word"),
