@@ -17,6 +17,7 @@ from usmbench.report.search_trace import write_trace
 from usmbench.runs.output_paths import check_outputs
 from usmbench.runs.reader import read_run
 from usmbench.runs.record import Record
+from usmbench.runs.unsaid_points import as_the_others
 
 _HIGHEST_ORDER = 20  # the search of more does not end
 
@@ -60,10 +61,11 @@ def run(args: argparse.Namespace) -> int:
     outputs = {"--out": args.out, "--trace": args.trace, "--json": args.json}
     check_outputs(outputs, args.runs)
     # In one order whichever they are given in: where a search ends may hang on it.
-    records = [read_run(path) for path in sorted(args.runs, key=lambda run: (run.name, run))]
+    said = [read_run(path) for path in sorted(args.runs, key=lambda run: (run.name, run))]
+    records, warnings = as_the_others(said)
     found = _identify(args, records)
     write_model(args.out, with_knowledge(found.model, records))
-    warn(found.warnings)
+    warn((*warnings, *found.warnings))
     if args.json:
         write_json(args.json, found.to_json())
     if args.json != "-":

@@ -71,6 +71,16 @@ def test_runs_give_the_same_model_in_any_order(run_csv: Run, tmp_path: Path) -> 
     assert len({model.read_text() for model in models}) == 1
 
 
+def test_a_run_that_says_no_frequency_is_at_that_of_the_others(
+    run_csv: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    runs = [str(run_csv("a.csv", columns=",41000,0")), str(run_csv("b.csv", n=500))]
+    model = tmp_path / "m.yaml"
+    assert main(["identify", *runs, "--out", str(model)]) == 0
+    assert [p.frequency_hz for p in read_model(model).points] == [41000.0]
+    assert "b.csv: no column frequency_hz: taken for 41000 Hz" in capsys.readouterr().err
+
+
 def test_several_points_are_listed(run_csv: Run, tmp_path: Path) -> None:
     runs = [
         str(run_csv("a.csv", columns=",41000,0")),
