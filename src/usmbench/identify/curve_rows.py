@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import median_filter
 
 from usmbench.identify.data import Dataset, Segment
 from usmbench.identify.dynamics import NONE, Dynamics
@@ -24,6 +25,7 @@ _STANDING_SPEED = 0.002  # of the highest: less is standstill
 _AGAIN, _REPEATS = 1.5, 0.005  # dwells a phase; of the highest speed
 _BY_CHANCE = 3.0  # standard errors of a median: less is standstill, too
 _WILD_SCALES, _WILD_SHARE = 10.0, 0.1  # of the residual's scale, of the highest speed
+_AT_LIKE_PHASES = 41  # rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,11 +147,20 @@ def block_rows(
 
 
 def _wild(residuals: Sequence[Array], pieces: Sequence[Segment]) -> list[NDArray[np.bool_]]:
-    """Mark samples so far off that no curve explains them: further than a rough one's own error."""
-    scale = OVER_MEDIAN * float(np.median(np.abs(np.concatenate(residuals))))
+    """Mark samples so far off that no curve explains them: further than a rough one's own error.
+
+    Where those at about the same phase are off alike it is the rough curve that is: a dead zone
+    that ends steeply.
+    """
+    every = np.concatenate(residuals)
+    scale = OVER_MEDIAN * float(np.median(np.abs(every)))
     top = max(float(np.quantile(np.abs(s.speed_rad_s), 0.95)) for s in pieces)
     limit = max(_WILD_SCALES * scale, _WILD_SHARE * top)
-    return [np.abs(residual) > limit for residual in residuals]
+    order = np.argsort(np.concatenate([s.phase_deg for s in pieces]), kind="stable")
+    apart = np.empty_like(every)
+    apart[order] = every[order] - median_filter(every[order], _AT_LIKE_PHASES)
+    far = (np.abs(every) > limit) & (np.abs(apart) > limit)
+    return np.split(far, np.cumsum([residual.size for residual in residuals])[:-1])
 
 
 def _dwell_medians(data: Dataset, point: int, forget: int) -> tuple[Array, Array, float]:

@@ -120,3 +120,18 @@ def test_knots_are_judged_where_no_row_is_used() -> None:
     phase_deg = np.linspace(-60.0, 60.0, 20)
     rows = CurveRows((phase_deg,), (0.1 * phase_deg,), (none,), NONE, (np.ones(20),))
     assert judge_knots(rows, np.array([-60.0, 0.0, 60.0])).held_out_rad_s == 0.0
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_steep_edge_that_is_driven_densely_is_no_outlier(seed: int) -> None:
+    rng, n, window_s = np.random.default_rng([seed, 4]), 3000, 0.01
+    edges_deg, rate = rng.uniform(8.0, 12.0, 2), rng.uniform(80.0, 120.0)
+    t_s = window_s * np.arange(1.0, n + 1.0)
+    phase_deg = np.round(np.abs((rate * t_s) % 360.0 - 180.0) - 90.0, 2)
+    edge_deg = np.where(phase_deg > 0.0, edges_deg[0], edges_deg[1])
+    settled = np.sqrt(np.maximum(np.abs(phase_deg) - edge_deg, 0.0) / (90.0 - edge_deg))
+    speed = free_run(first_order(0.0044, 0.0, window_s), 12.0 * np.sign(phase_deg) * settled)
+    noisy = speed + 0.017 * rng.standard_normal(n)
+    record = Record("steep", t_s, phase_deg, noisy, np.full(n, window_s))
+    found = dead_zone_deg(identify_fast([record], FastOptions()).model.points[0].curve)
+    assert found == pytest.approx((-edges_deg[1], edges_deg[0]), abs=0.5)
