@@ -11,7 +11,7 @@ from usmbench.diagnose.cutting.stretches import came_from
 from usmbench.diagnose.evidence import Estimate, NamedCause
 from usmbench.diagnose.naming.apart_windows import away_rad_s, beyond, scatter_rad_s
 from usmbench.diagnose.naming.ranking import NO_CHANCE, SIGNIFICANT, TELLING
-from usmbench.diagnose.naming.standing_alone import StandingAlone
+from usmbench.diagnose.naming.standing_alone import StandingAlone, clear_rows
 from usmbench.diagnose.noise.rotor_states import moved_rad_s, steady
 from usmbench.diagnose.noise.spikes import apart, are_exceptions
 from usmbench.diagnose.residual.problem import Problem
@@ -151,9 +151,10 @@ def left_unnamed(problem: Problem, effects: Sequence[Applied], spread: float) ->
     """
     found = []
     left = problem.left_rad_s(effects)
+    clear = clear_rows(problem, effects)
     not_judged = [
-        (steady(s) | s.use & (np.abs(r) > moved_rad_s(s))) & ~mask
-        for s, r, mask in zip(problem.stretches, left, problem.masks, strict=True)
+        (steady(s) | s.use & (np.abs(r) > moved_rad_s(s))) & ~mask & c
+        for s, r, mask, c in zip(problem.stretches, left, problem.masks, clear, strict=True)
     ]
     far = beyond(problem, left, not_judged, spread)
     for stretch, rows, residual in zip(problem.stretches, far, left, strict=True):

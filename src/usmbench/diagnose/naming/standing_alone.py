@@ -57,7 +57,7 @@ class StandingAlone:
         spread
             Standard deviation of the whitened noise, at least 1.
         """
-        left, clear = problem.left_rad_s(effects), _clear(problem, effects)
+        left, clear = problem.left_rad_s(effects), clear_rows(problem, effects)
         found = _alone(problem, left, effects, spread)
         every = [a & c for a, c in zip(found, clear, strict=True)]
         calm, plain = _plain(problem, left, every)
@@ -66,8 +66,16 @@ class StandingAlone:
         return cls(every, calm, [p & c for p, c in zip(plain, calm, strict=True)])
 
 
-def _clear(problem: Problem, effects: Sequence[Applied]) -> list[Mask]:
-    """Rows that no other cause strikes by chance."""
+def clear_rows(problem: Problem, effects: Sequence[Applied]) -> list[Mask]:
+    """Return the rows of each stretch that no cause strikes by chance, shape (N,).
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    effects
+        The causes that are named.
+    """
     chancy = chancy_of(effects)
     if not chancy:
         return [s.use for s in problem.stretches]

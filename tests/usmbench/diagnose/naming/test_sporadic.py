@@ -176,8 +176,14 @@ def test_where_something_has_no_name_lone_windows_are_told_too(
     )
 
 
-@pytest.mark.parametrize(("spread", "told"), [(1.0, True), (4.0, False)])
-def test_in_a_noise_that_has_grown_none_stands_alone(spread: float, told: bool) -> None:
+@pytest.mark.parametrize(
+    ("spread", "above_rad_s", "told"),
+    [(1.0, None, True), (1.0, 9.9, True), (1.0, 1.0, False), (4.0, None, False)],
+    ids=["alone", "a loss elsewhere", "a loss there", "noise that has grown"],
+)
+def test_windows_that_stand_alone_have_no_cause_unless_a_loss_strikes_there_or_noise_has_grown(
+    spread: float, above_rad_s: float | None, *, told: bool
+) -> None:
     model = identified()
     phase_deg = np.repeat(np.random.default_rng(2).uniform(30.0, 88.0, 40), 20)
     record = driven(phase_deg, 4)
@@ -187,7 +193,9 @@ def test_in_a_noise_that_has_grown_none_stands_alone(spread: float, told: bool) 
     known = knowledge_of(model)
     assert known.noise is not None
     problem = Problem([stretch], known, known.noise, [stretch.use & (np.abs(off) == 0.0)])
-    assert bool(left_unnamed(problem, (), spread)) == told
+    lost = applied("missed_counts", "of all", share_lost=0.02, above_rad_s=above_rad_s or 0.0)
+    effects = () if above_rad_s is None else (lost,)
+    assert bool(left_unnamed(problem, effects, spread)) == told
 
 
 @pytest.mark.parametrize(
