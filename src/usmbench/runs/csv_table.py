@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from usmbench.errors import InputError
 from usmbench.runs.plain_numbers import plain_numbers
+from usmbench.settings.regular_file import refuse_endless
 
 _MOST_SHOWN = 60  # letters
 _TAIL, _FEWEST_ALIKE = 4096, 6  # bytes; rows that tell how many decimals are written
@@ -95,6 +96,7 @@ def read_table(
 
 def _content(path: Path) -> bytes:
     """Return what is in the file, without the zeros that a power cut may leave at its end."""
+    refuse_endless(path)
     try:
         return path.read_bytes().rstrip(b"\0")
     except OSError as error:

@@ -9,6 +9,7 @@ from typing import Any
 import yaml
 
 from usmbench.errors import InputError
+from usmbench.settings.regular_file import refuse_endless
 
 PathInDocument = tuple[str | int, ...]
 
@@ -108,6 +109,7 @@ def read_source(
     usmbench.errors.InputError
         It cannot be read, is too long, or is not plain YAML.
     """
+    refuse_endless(file)
     try:
         with file.open("rb") as stream:
             content = stream.read(most_bytes + 1)
