@@ -66,8 +66,7 @@ def _size(problem: Problem, effect: Effect, sized: Parameter, wanted: float) -> 
 
     def energy(size: float) -> float:
         values = {**shape, sized.name: sized.null + size}
-        carried = problem.carried(problem.change_rad_s([Applied(effect, values)]))
-        return float(carried @ carried)
+        return problem.square(problem.change_rad_s([Applied(effect, values)]))
 
     if energy(0.0) >= wanted:
         return None  # it shows at any size
