@@ -9,6 +9,7 @@ from typing import Final, TextIO
 from usmbench.errors import InputError
 from usmbench.output import print_or_drop
 from usmbench.runs.columns import RUN_FILE
+from usmbench.runs.writer import EXISTS
 
 RUNS_FOLDER: Final = Path("runs")
 
@@ -40,8 +41,7 @@ def check_absent(folder: Path) -> None:
         It exists.
     """
     if folder.exists():
-        message = "exists already; name another folder, or continue it with --resume"
-        raise InputError(message, file=folder)
+        raise InputError(EXISTS, file=folder)
 
 
 @contextmanager

@@ -31,7 +31,6 @@ from usmbench.model.hammerstein import HammersteinModel
 
 _MOST_POINTS = 3000
 _SILENT = ("no_discrepancy", "explained")  # on what is left
-_PLAINLY_MORE = 1.5  # times the noise
 
 
 def described(
@@ -139,7 +138,7 @@ def _no_news(held: Held) -> Iterator[str]:
     left, noise = held.gain.rmse_extended_rad_s, held.gain.noise_floor_rad_s
     every = (*held.found.problem.own, *held.found.fit.effects)
     by_chance = held.sporadic is not None or chancy_of(every)
-    if held.verdict in _SILENT and not by_chance and left > _PLAINLY_MORE * noise:
+    if held.verdict in _SILENT and not by_chance and left > LOUD * noise:
         yield (
             f"{left:.3g} rad/s are left where the noise is {noise:.2g}: no more than the model may "
             "be off by, as its own runs show, such as on a day of another gain or dead zone"

@@ -6,10 +6,10 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter
 
 from usmbench.identify.data import Dataset, Segment
 from usmbench.identify.dynamics import NONE, Dynamics
+from usmbench.identify.like_phases import median_at_like_phases
 from usmbench.identify.projected import Projected
 from usmbench.identify.robust_fit import OVER_MEDIAN, bisquare_weights, residual_scales
 from usmbench.model.linear import memory_windows
@@ -25,7 +25,6 @@ _STANDING_SPEED = 0.002  # of the highest: less is standstill
 _AGAIN, _REPEATS = 1.5, 0.005  # dwells a phase; of the highest speed
 _BY_CHANCE = 3.0  # standard errors of a median: less is standstill, too
 _WILD_SCALES, _WILD_SHARE = 10.0, 0.1  # of the residual's scale, of the highest speed
-_AT_LIKE_PHASES = 41  # rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,9 +155,7 @@ def _wild(residuals: Sequence[Array], pieces: Sequence[Segment]) -> list[NDArray
     scale = OVER_MEDIAN * float(np.median(np.abs(every)))
     top = max(float(np.quantile(np.abs(s.speed_rad_s), 0.95)) for s in pieces)
     limit = max(_WILD_SCALES * scale, _WILD_SHARE * top)
-    order = np.argsort(np.concatenate([s.phase_deg for s in pieces]), kind="stable")
-    apart = np.empty_like(every)
-    apart[order] = every[order] - median_filter(every[order], _AT_LIKE_PHASES)
+    apart = every - median_at_like_phases(every, np.concatenate([s.phase_deg for s in pieces]))
     far = (np.abs(every) > limit) & (np.abs(apart) > limit)
     return np.split(far, np.cumsum([residual.size for residual in residuals])[:-1])
 

@@ -29,6 +29,8 @@ from usmbench.runs.stop_request import forget_stop_request
 from usmbench.sweep.rows import PairRow, WindowRow
 
 # At most a second between forced writes, with a margin for one window.
+EXISTS = "exists already; name another folder (a sweep that stopped goes on by sweep --resume)"
+"""What is said of a folder that is there before a run begins."""
 _SYNC_PERIOD_S = 0.9
 
 
@@ -85,9 +87,7 @@ class RunWriter:
         try:
             folder.mkdir(parents=True)
         except FileExistsError:
-            raise InputError(
-                "exists already; name another folder, or continue it with --resume", file=folder
-            ) from None
+            raise InputError(EXISTS, file=folder) from None
         except OSError as error:
             raise InputError(
                 f"cannot be made: {error.strerror}; name another folder", file=folder

@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 
 EDGE_95 = 3.84  # 95 % of chi-squared with one degree of freedom
 _WIDER, _HALVINGS, _FOLLOWING = 16, 6, 2
-_AT_END = 0.99  # of the way from nothing to the end
+AT_END = 0.99  # of the way from nothing to the end of what a size or a shape may be
 
 
 def intervals(problem: Problem, fit: Fit, spread: float) -> list[dict[str, tuple[float, float]]]:
@@ -70,7 +70,7 @@ def leans_on_an_end(problem: Problem, fit: Fit, rise: float) -> bool:
     joint = Joint(problem, fit.effects)
     for k, p in enumerate(joint.parameters):
         way = float(joint.start[k]) - p.null
-        if p.scanned and way > _AT_END * (p.high - p.null):
+        if p.scanned and way > AT_END * (p.high - p.null):
             risen, _ = _Profile(joint, joint.start, k, rise).rise(joint.start, p.null + 0.9 * way)
             if risen > rise:
                 return True

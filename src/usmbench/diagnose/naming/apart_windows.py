@@ -4,21 +4,20 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter
 from scipy.stats import norm
 
 from usmbench.diagnose.cutting.stretches import Mask, Stretch
 from usmbench.diagnose.noise.rotor_states import runs_on, steady
 from usmbench.diagnose.noise.spikes import PLAIN, apart
 from usmbench.diagnose.residual.problem import Problem
+from usmbench.identify.like_phases import median_at_like_phases
 
 Array = NDArray[np.float64]
 
 # What windows are off by shows in those that do not stand alone, nine in ten; some thousand tell.
 # Nothing measured sets these.
 _ALONE, _DOUBLE, _FEWEST, _ENOUGH = 0.1, 2.0, 40, 4000
-_AROUND = 41  # windows nearest in phase
-_OVER_AWAY = 2.04  # a normal noise over the median of `away_rad_s`
+_OVER_AWAY = 2.04  # standard deviation over the median of `away_rad_s`, of a white normal noise
 
 
 def beyond(
@@ -96,9 +95,7 @@ def scatter_rad_s(stretches: Sequence[Stretch], away: Sequence[Array]) -> list[A
         How far each of their rows is from those beside it, in rad/s, shape (N,).
     """
     phase_deg = np.concatenate([s.context.phase_deg for s in stretches])
-    order = np.argsort(phase_deg, kind="stable")
-    around = np.empty(order.size)
-    around[order] = _OVER_AWAY * median_filter(np.concatenate(away)[order], _AROUND)
+    around = _OVER_AWAY * median_at_like_phases(np.concatenate(away), phase_deg)
     return np.split(around, np.cumsum([s.context.n for s in stretches])[:-1])
 
 

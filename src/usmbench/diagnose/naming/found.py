@@ -10,7 +10,7 @@ from scipy.stats import chi2
 from usmbench.diagnose.cutting.stretches import Mask
 from usmbench.diagnose.fitting.fit import NOTHING, Fit
 from usmbench.diagnose.fitting.huber_weights import huber_weights
-from usmbench.diagnose.fitting.intervals import leans_on_an_end
+from usmbench.diagnose.fitting.intervals import AT_END, leans_on_an_end
 from usmbench.diagnose.fitting.refining import refine
 from usmbench.diagnose.naming.chance import chancy_of, leaves_scatter
 from usmbench.diagnose.naming.ranking import TELLING, Ranked
@@ -29,7 +29,6 @@ _LEAST_EXCESS, _LEAST_SURE, _SURE = 0.25, 0.02, 1e-9
 _GROSS = 0.25  # of the noise's mean square, whose estimate may itself be off by a tenth
 _TRIFLE = 0.01  # of what there was: what a form of an effect may be off by
 _SCATTER = 0.5  # of what is left: the rest is smooth
-_AT_END = 0.99  # of the way from nothing to the end of what a size may be
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +145,7 @@ class Found:
             for end in (p.low, p.high)
             if not p.scanned and not (p.unit == "1" and (end == -1.0 or (p.low, end) == (0.0, 1.0)))
         )
-        if any(end != 0.0 and size / end > _AT_END for end, size in sizes):
+        if any(end != 0.0 and size / end > AT_END for end, size in sizes):
             return True
         return leans_on_an_end(self.problem, self.fit, TELLING * self.spread**2)
 

@@ -3,10 +3,12 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from known_motor import CURVE, NOISE_RAD_S, driven, identified
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.known.model_knowledge import knowledge_of
+from usmbench.diagnose.naming.apart_windows import away_rad_s, scatter_rad_s
 from usmbench.diagnose.naming.sporadic import find_sporadic
 from usmbench.diagnose.residual.problem import Problem
 
@@ -29,3 +31,14 @@ def test_what_follows_small_steps_tells_nothing_of_what_follows_large_ones() -> 
     known = replace(known, root=known.root + np.diag(0.1 * lag))
     problem = Problem([stretch], known, noise, [stretch.use])
     assert find_sporadic(problem, (), 1.0) is None
+
+
+def test_windows_at_like_phases_say_how_much_a_noise_scatters_there() -> None:
+    rng = np.random.default_rng(5)
+    record = driven(rng.uniform(-88.0, 88.0, 6000), 5)
+    (stretch,), _ = cut_runs([record], identified(), ())
+    phase_deg = stretch.context.phase_deg
+    quiet, loud = (away_rad_s(level * rng.standard_normal(phase_deg.size)) for level in (0.1, 0.5))
+    (found,) = scatter_rad_s([stretch], [np.where(phase_deg > 0.0, loud, quiet)])
+    assert np.median(found[phase_deg < -2.0]) == pytest.approx(0.1, rel=0.05)
+    assert np.median(found[phase_deg > 2.0]) == pytest.approx(0.5, rel=0.05)
