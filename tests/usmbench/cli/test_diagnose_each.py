@@ -1,7 +1,6 @@
 """Many runs at once: over all cores and over a Dask cluster, as one by one."""
 
 import json
-import os
 import sys
 import time
 from concurrent.futures import Executor, Future
@@ -15,6 +14,7 @@ import numpy as np
 import pytest
 from distributed import LocalCluster
 
+from stuck_worker import stuck
 from usmbench.cli import each_run, executors
 from usmbench.cli.main import main
 from usmbench.model.hammerstein import HammersteinModel, LinearPart, OperatingPoint, StaticCurve
@@ -197,11 +197,12 @@ def test_a_stuck_worker_is_told_of_and_ended(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(folder)
-    monkeypatch.setattr(each_run, "_SILENT_S", 1.0)
-    os.mkfifo("stuck.csv")  # nobody ever writes into it
+    monkeypatch.setattr(each_run, "_SILENT_S", 4.0)
+    monkeypatch.setattr(each_run, "_diagnosed", stuck)
+    Path("stuck.csv").touch()
     words = ["stuck.csv", "--model", "model.yaml", "--each"]
     assert main(["diagnose", *words]) == 2
-    assert "nothing was done for 1 s" in capsys.readouterr().out
+    assert "nothing was done for 4 s" in capsys.readouterr().out
     deadline_s = time.monotonic() + 10.0
     while active_children():
         assert time.monotonic() < deadline_s
