@@ -15,6 +15,7 @@ _SLOWER = 0.8  # times the least speed at which such a cause is seen to act
 _ELSEWHERE = 0.1  # of the scatter
 _ENOUGH = 0.5  # of the least scatter
 _FORETOLD = 0.5  # of the scatter: most of it is no chance then
+_LIKELY = 2.0  # deviations of what is no news
 _FEWEST_ALIKE, _MOST_GROUPS = 10, 20  # windows of about one speed, lest chance seem foretold
 
 
@@ -70,16 +71,19 @@ def leaves_scatter(problem: Problem, effects: Sequence[Applied]) -> bool:
     effects
         All that is named, as it was fitted.
     """
-    chancy, left_rad_s = chancy_of(effects), problem.left_rad_s(effects)
+    chancy = chancy_of(effects)
     if not chancy:
         return False
+    left_rad_s = problem.left_rad_s(effects)
+    day_rad_s = _likely_rad_s(problem, left_rad_s)
     changes, struck = problem.change_rad_s(chancy), struck_by(problem, chancy)
     unstruck_rad_s = problem.left_rad_s([a for a in effects if a not in chancy])
     outside = against = 0.0
     left_inside, speeds_rad_s = [], []
     for k, (stretch, mask) in enumerate(zip(problem.stretches, problem.masks, strict=True)):
         level = problem.noise.level_rad_s(stretch)
-        left, was = left_rad_s[k] / level, unstruck_rad_s[k] / level
+        left = (left_rad_s[k] - day_rad_s[k]) / level
+        was = (unstruck_rad_s[k] - day_rad_s[k]) / level
         inside = mask & struck[k]
         outside += _beyond_noise(left[mask & ~struck[k]])
         against += _beyond_noise(was[inside & (was * changes[k] < 0.0)])
@@ -90,6 +94,16 @@ def leaves_scatter(problem: Problem, effects: Sequence[Applied]) -> bool:
     if max(outside, against) >= _ELSEWHERE * scatter:
         return False
     return _foretold(scattered, np.concatenate(speeds_rad_s)) < _FORETOLD * scatter
+
+
+def _likely_rad_s(problem: Problem, left_rad_s: Sequence[Array]) -> list[Array]:
+    """Return what of a residual is most likely another day's, by stretch, as far as days go."""
+    most_rad_s = problem.unsure_rad_s([s.use for s in problem.stretches])
+    departed_rad_s = problem.departed_rad_s(left_rad_s)
+    return [
+        np.clip(departed, -_LIKELY * most, _LIKELY * most)
+        for departed, most in zip(departed_rad_s, most_rad_s, strict=True)
+    ]
 
 
 def _beyond_noise(values: Array) -> float:

@@ -197,18 +197,22 @@ def test_a_small_scale_is_named_beside_lost_counts_that_explain_far_more(
     assert names == ["missed_counts", "speed_scale"]
 
 
-@pytest.mark.parametrize("named", [True, False])
-def test_what_else_is_named_is_no_scatter_against_the_loss(
-    model: HammersteinModel, named: bool
+@pytest.mark.parametrize(
+    ("scale_error", "named", "scattered"),
+    [(0.05, True, True), (0.05, False, False), (0.02, False, True)],
+    ids=["named", "more than another day's gain", "another day's gain"],
+)
+def test_what_is_named_or_no_news_is_no_scatter_against_the_loss(
+    model: HammersteinModel, scale_error: float, *, named: bool, scattered: bool
 ) -> None:
-    faster = applied("speed_scale", "", scale_error=0.02)
+    faster = applied("speed_scale", "", scale_error=scale_error)
     record = _dwelling(faster)
     top_rad_s = float(np.max(np.abs(record.speed_rad_s)))
     lines = 0.12
     loss = {"share_lost": 4.0 * lines * COUNT_RAD_S / top_rad_s, "above_rad_s": 0.93 * top_rad_s}
     problem = _problem(_swallowed(record, lines), model)
     effects = [Applied(LOST, loss), *([faster] if named else [])]
-    assert leaves_scatter(problem, effects) == named
+    assert leaves_scatter(problem, effects) == scattered
 
 
 @pytest.mark.parametrize(("lost", "scattered"), [((3, 0.2), True), ((1, 0.0), False)])
