@@ -186,7 +186,7 @@ def _with_a_pair(
         return found
     both = weighed.found(pair)
     quiet = both.spread <= _AS_QUIET * found.spread
-    stands = quiet and verdict_on(both, None) == "explained"
+    stands = quiet and verdict_on(both, None) in ("explained", "partly_explained")
     return both if stands else found
 
 

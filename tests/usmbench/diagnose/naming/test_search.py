@@ -1,6 +1,7 @@
 """What a search sets aside as exceptions, and what it finds beside them."""
 
 from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -10,10 +11,12 @@ from scipy.signal import sawtooth
 from known_motor import NOISE_RAD_S, WINDOW_S, applied, driven, identified, measured
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.known.model_knowledge import knowledge_of
+from usmbench.diagnose.naming import search as searching
 from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.naming.search import search
 from usmbench.diagnose.pipeline import searched
 from usmbench.diagnose.residual.own_effects import cut_beside_own
+from usmbench.diagnose.result import Verdict
 from usmbench.model.extended import extended_run
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.runs.record import Record
@@ -141,3 +144,19 @@ def test_what_leaves_nothing_is_named_before_what_fits_worse_and_leaves_somethin
     record = driven(32.0 * sawtooth(0.02 * np.arange(4000.0), 0.5), 41, lost)
     found = _searched(replace(record, meta={"encoder": {"counts_per_rev": 2000}}), model)
     assert found.names == ("missed_counts",)
+
+
+@pytest.mark.parametrize(
+    ("says", "stands"),
+    [("explained", True), ("partly_explained", True), ("unexplained", False)],
+)
+def test_two_at_once_stand_beside_the_scatter_that_chance_leaves(
+    says: Verdict, *, stands: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Beside two names a verdict of partly_explained says that scatter is all that is left."""
+    alone, both, weighed = Mock(spread=1.5), Mock(spread=1.4), Mock()
+    weighed.found.return_value = both
+    monkeypatch.setattr(searching, "hidden_pair", lambda *_: Mock())
+    monkeypatch.setattr(searching, "verdict_on", lambda *_: says)
+    found = searching._with_a_pair(weighed, None, alone, [])
+    assert found is (both if stands else alone)
