@@ -58,6 +58,8 @@ def intervals(problem: Problem, fit: Fit, spread: float) -> list[dict[str, tuple
 def leans_on_an_end(problem: Problem, fit: Fit, rise: float) -> bool:
     """Return whether what shapes an effect is as large as is tried, and less fits plainly worse.
 
+    Or as short as windows show: what is shorter does not swing, and is nothing.
+
     Parameters
     ----------
     problem
@@ -68,9 +70,11 @@ def leans_on_an_end(problem: Problem, fit: Fit, rise: float) -> bool:
         Deviance that a tenth less brings at least.
     """
     joint = Joint(problem, fit.effects)
+    window_s = problem.stretches[0].context.window_s
     for k, p in enumerate(joint.parameters):
         way = float(joint.start[k]) - p.null
-        if p.scanned and way > AT_END * (p.high - p.null):
+        shortest = AT_END * way < p.least_windows * window_s
+        if p.scanned and (shortest or way > AT_END * (p.high - p.null)):
             risen, _ = _Profile(joint, joint.start, k, rise).rise(joint.start, p.null + 0.9 * way)
             if risen > rise:
                 return True

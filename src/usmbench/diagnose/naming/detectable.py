@@ -61,6 +61,7 @@ def _threshold(effect: Effect, p_value: float) -> float:
 
 def _size(problem: Problem, effect: Effect, sized: Parameter, wanted: float) -> float | None:
     """Double the size until it shows, then interpolate in its square root."""
+    window_s = problem.stretches[0].context.window_s
     grids = effect.grid([s.context for s in problem.stretches])
     shape = {p.name: float(np.median(grids.get(p.name, p.null))) for p in effect.parameters}
 
@@ -79,7 +80,7 @@ def _size(problem: Problem, effect: Effect, sized: Parameter, wanted: float) -> 
             share = (math.sqrt(wanted) - math.sqrt(low_energy)) / (
                 math.sqrt(here) - math.sqrt(low_energy)
             )
-            return low + share * (size - low)
+            return max(low + share * (size - low), sized.least_windows * window_s)
         if size >= sized.high - sized.null:
             return None
         low, low_energy, size = size, here, 2.0 * size

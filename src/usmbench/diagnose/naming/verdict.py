@@ -55,8 +55,10 @@ def _on_named(found: Found) -> Verdict:
     # Scatter is not smooth: what the views show of it is little.
     if chancy_of(found.fit.effects) and found.leaves_more:
         return _on_nothing_named(found)
-    if found.patched or found.at_an_end or (says != "explained" and found.on_a_grid):
+    if found.patched or (says != "explained" and found.on_a_grid):
         return "unexplained"
+    if found.at_an_end:
+        return _on_nothing_named(found)
     # Several that leave something are patches on what the library does not know.
     if says == "unexplained" or found.mostly_left or (says != "explained" and found.named[1:]):
         if not leaves_scatter(found.problem, found.fit.effects):

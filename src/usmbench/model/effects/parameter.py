@@ -23,6 +23,9 @@ class Parameter:
     scanned
         Whether it shapes the effect: it means nothing where the effect has no size, so it is
         searched over a grid; see `Effect.grid`.
+    least_windows
+        Of a period: how many windows it lasts at least, since a shorter one shows as something
+        else.
     what
         What it says of the motor or the bench, in a few words: which way is positive, of what a
         share is one.
@@ -35,6 +38,7 @@ class Parameter:
     high: float
     typical: float
     scanned: bool = False
+    least_windows: float = 0.0
     what: str = ""
 
     @property

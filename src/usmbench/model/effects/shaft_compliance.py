@@ -22,7 +22,15 @@ _SHORTEST = 2.0  # windows a period: what swings faster looks like any ripple
 _MEND = "Tighten or stiffen the coupling between motor and disc; look for a cracked helix."
 _SHAPE = (
     Parameter(
-        "period_s", "s", 0.0, 0.0, 0.5, 0.003, scanned=True, what="period of the ringing, undamped"
+        "period_s",
+        "s",
+        0.0,
+        0.0,
+        0.5,
+        0.003,
+        scanned=True,
+        least_windows=_SHORTEST,
+        what="period of the ringing, undamped",
     ),
     Parameter(
         "damping", "1", 0.1, 0.01, 0.8, 0.05, scanned=True, what="damping ratio ζ of the ringing"

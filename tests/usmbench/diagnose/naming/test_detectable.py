@@ -54,3 +54,11 @@ def test_states_what_the_form_needs_that_shows_least(
     assert alone[0].value != pytest.approx(alone[1].value, rel=0.2)
     assert smallest_sizes(problem, forms, 1.0) == (most,)
     assert smallest_sizes(problem, [forms[1], forms[0], forms[2]], 1.0) == (most,)
+
+
+def test_a_ringing_shorter_than_windows_show_is_not_said_to_show(
+    stretches: list[Stretch], model: HammersteinModel
+) -> None:
+    ringing = find_effect("shaft_compliance", "")
+    (smallest,) = smallest_sizes(_problem(stretches, model), [ringing] * 5, 1.0)
+    assert smallest.value >= 2.0 * stretches[0].context.window_s

@@ -36,11 +36,15 @@ def test_a_size_that_is_all_it_may_be_explains_nothing(applied_: Applied, *, end
     assert found.at_an_end == ends
 
 
-@pytest.mark.parametrize(("damping", "ends"), [(0.5, False), (0.8, True)])
-def test_a_ringing_damped_more_than_any_that_is_tried_is_something_else(
-    damping: float, *, ends: bool
+@pytest.mark.parametrize(
+    ("period_s", "damping", "ends"),
+    [(0.04, 0.5, False), (0.04, 0.8, True), (0.02, 0.5, True)],
+    ids=["seen", "damped more than any that is tried", "as short as windows show"],
+)
+def test_a_ringing_at_an_end_of_what_is_seen_is_something_else(
+    period_s: float, damping: float, *, ends: bool
 ) -> None:
-    ringing = applied("shaft_compliance", "", period_s=0.04, damping=damping)
+    ringing = applied("shaft_compliance", "", period_s=period_s, damping=damping)
     problem = judged(1.0)
     changed = problem.change_rad_s([ringing])
     for residual, change in zip(problem.residual_rad_s, changed, strict=True):

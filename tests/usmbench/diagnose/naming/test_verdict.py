@@ -48,14 +48,22 @@ def test_a_name_that_leaves_more_than_it_explains_is_none(left: float, verdict: 
 
 
 @pytest.mark.parametrize(
-    ("asymmetry", "verdict"), [(0.3, "explained"), (1.5, "unexplained"), (-1.5, "unexplained")]
+    ("asymmetry", "shown", "verdict"),
+    [
+        (0.3, 9e3, "explained"),
+        (1.5, 9e3, "unexplained"),
+        (-1.5, 9e3, "unexplained"),
+        (1.5, 0.0, "no_discrepancy"),
+    ],
 )
-def test_a_size_that_is_all_it_may_be_is_no_explanation(asymmetry: float, verdict: str) -> None:
+def test_a_size_that_is_all_it_may_be_is_no_explanation(
+    asymmetry: float, shown: float, verdict: str
+) -> None:
     problem = judged(1.0)
     cause = applied("gain_asymmetry", "balanced", asymmetry=asymmetry)
     fit = Fit((cause,), 9e3, 0.0)
     named = [[Ranked(cause.effect, fit, 9e3, 0.0, 9e3)]]
-    before, after = Whole(9e3, 0.0, problem.n_rows), Whole(0.0, 1.0, problem.n_rows)
+    before, after = Whole(shown, 0.0, problem.n_rows), Whole(0.0, 1.0, problem.n_rows)
     assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), None) == verdict
 
 
