@@ -11,6 +11,7 @@ Array = NDArray[np.float64]
 
 EDGE_95 = 3.84  # 95 % of chi-squared with one degree of freedom
 _WIDER, _HALVINGS, _FOLLOWING = 16, 6, 2
+_LESS = 0.9  # of what shapes an effect
 AT_END = 0.99  # of the way from nothing to the end of what a size or a shape may be
 
 
@@ -73,9 +74,9 @@ def leans_on_an_end(problem: Problem, fit: Fit, rise: float) -> bool:
     window_s = problem.stretches[0].context.window_s
     for k, p in enumerate(joint.parameters):
         way = float(joint.start[k]) - p.null
-        shortest = AT_END * way < p.least_windows * window_s
+        shortest = _LESS * way < p.least_windows * window_s
         if p.scanned and (shortest or way > AT_END * (p.high - p.null)):
-            risen, _ = _Profile(joint, joint.start, k, rise).rise(joint.start, p.null + 0.9 * way)
+            risen, _ = _Profile(joint, joint.start, k, rise).rise(joint.start, p.null + _LESS * way)
             if risen > rise:
                 return True
     return False

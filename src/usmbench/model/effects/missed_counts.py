@@ -95,6 +95,55 @@ class LostShare(LostExcess):
         return signal * np.where(above, 1.0 - values["share_lost"], 1.0)
 
 
+class LostMoreAndMore(LostExcess):
+    """ω′ = (1 − s min((|ω| − ω₀)/Δω, 1)) ω above ω₀: pulses of many widths, the narrow ones first.
+
+    From ω₀ + Δω on the share lost is all of s.
+    """
+
+    form = "more and more"
+    parameters = (
+        Parameter("share_lost", "1", 0.0, 0.0, 1.0, 0.05, what="share of counts lost in the end"),
+        _THRESHOLD,
+        Parameter(
+            "within_rad_s",
+            "rad/s",
+            1.0,
+            0.0,
+            1e3,
+            0.5,
+            scanned=True,
+            what="how much faster than that the motor turns where all of this share is lost",
+        ),
+    )
+
+    def apply(self, signal: Array, context: Context, values: Values) -> Array:
+        """Return the speed that is reported.
+
+        Parameters
+        ----------
+        signal, context, values
+            As in `Effect.apply`.
+        """
+        excess_rad_s = np.abs(signal) - values["above_rad_s"]
+        part = np.clip(excess_rad_s / max(values["within_rad_s"], 1e-9), 0.0, 1.0)
+        return signal * (1.0 - values["share_lost"] * part)
+
+    def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
+        """Return thresholds within the upper part of the speeds, and how slowly losses grow.
+
+        Parameters
+        ----------
+        contexts
+            All stretches.
+        """
+        highest_rad_s = highest_settled_rad_s(contexts)
+        return {
+            "above_rad_s": highest_rad_s * np.linspace(0.25, 0.9, 14),
+            "within_rad_s": highest_rad_s * np.array([0.1, 0.2, 0.4]),
+        }
+
+
 class LostNowAndThen(SporadicEffect):
     """Now and then a window above ω₀ loses counts: a filter or a cable at its limit."""
 
@@ -168,4 +217,4 @@ def _thresholds_rad_s(contexts: Sequence[Context]) -> Array:
     return np.asarray(highest_settled_rad_s(contexts) * shares, dtype=np.float64)
 
 
-FORMS = (LostExcess(), LostShare(), LostNowAndThen())
+FORMS = (LostExcess(), LostShare(), LostMoreAndMore(), LostNowAndThen())
