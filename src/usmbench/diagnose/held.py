@@ -48,7 +48,9 @@ def held(found: Found) -> Held:
     sporadic = find_sporadic(found.problem, found.fit.effects, found.spread)
     if sporadic is not None and sporadic.named.name in found.names:
         sporadic = None
-    says = verdict_on(found, sporadic)
+    # The search keeps what is far out from its fits: of what chance does, they leave a part.
+    scattered = found.count_scatter()
+    says = verdict_on(scattered, sporadic)
     stands = says in ("explained", "partly_explained")
     if not stands:
         unnamed = found.drop_names()
@@ -57,8 +59,8 @@ def held(found: Found) -> Held:
             without = held(unnamed)
             if without.sporadic is not None:
                 return without
-        found, sporadic = unnamed, None
-    scattered = found.count_scatter()
+        found = scattered = unnamed
+        sporadic = None
     if scattered is not found and scattered.after.p_value > PLAIN_P_VALUE:
         says = "explained"
     foretold = foretold_rad_s(scattered.problem, scattered.fit)

@@ -8,6 +8,7 @@ import pytest
 from known_motor import NOISE_RAD_S, applied, driven, identified
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.held import held
+from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.pipeline import searched
 from usmbench.diagnose.residual.own_effects import cut_beside_own
 
@@ -29,3 +30,17 @@ def test_names_that_do_not_stand_say_nothing_against_false_counts(false_counts: 
     assert (stands.verdict, names) == (
         ("explained", ["count_glitches"]) if false_counts else ("unexplained", [])
     )
+
+
+def test_what_chance_strikes_is_judged_by_all_its_windows(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The search keeps those far out from its fits, which then leave a part of the mean."""
+    phase_deg = np.repeat(np.random.default_rng(2).uniform(30.0, 88.0, 100), 20)
+    found = searched(cut_beside_own([driven(phase_deg, 4)], identified())[0], identified())
+    struck = replace(found, spread=1.5)
+    monkeypatch.setattr(Found, "count_scatter", lambda _: struck)
+    monkeypatch.setattr(
+        "usmbench.diagnose.held.verdict_on",
+        lambda judged, _: "explained" if judged is struck else "unexplained",
+    )
+    stands = held(found)
+    assert (stands.verdict, stands.found) == ("explained", struck)
