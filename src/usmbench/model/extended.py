@@ -175,7 +175,8 @@ def shaft_speeds(effects: Sequence[Applied], contexts: Sequence[Context]) -> lis
 def _driven(effects: Sequence[Applied], context: Context) -> Array:
     """Return the settled speed that drives the dynamics, shape (N,)."""
     phase_deg = through(effects, "command", context.phase_deg, context)
-    return through(effects, "settled", context.settled_rad_s(phase_deg), context)
+    set_ = context if phase_deg is context.phase_deg else replace(context, phase_deg=phase_deg)
+    return through(effects, "settled", context.settled_rad_s(phase_deg), set_)
 
 
 def counted(effects: Sequence[Applied], shaft_rad_s: Array, context: Context) -> Array:

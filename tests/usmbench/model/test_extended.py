@@ -79,3 +79,23 @@ def test_stretches_run_together_as_each_runs_alone(
     together = shaft_speeds(effects, contexts)
     for found, context in zip(together, contexts, strict=True):
         assert found == pytest.approx(shaft_run(effects, context).speed_rad_s, abs=1e-12)
+
+
+def test_a_rotor_starts_at_the_phase_that_is_set() -> None:
+    """An offset moves the start as it moves the speed."""
+    stairs_deg = np.repeat(np.r_[np.arange(-9.0, 10.0), np.arange(9.0, -10.0, -1.0)], 3)
+    t_s = WINDOW_S * np.arange(1.0, stairs_deg.size + 1.0)
+    commanded = replace(
+        _context(stairs_deg),
+        t_s=t_s,
+        phase_deg=stairs_deg,
+        settled_rad_s=lambda deg: np.sign(deg) * np.maximum(np.abs(deg) - 2.0, 0.0),
+    )
+    sticks = Applied(
+        find_effect("dead_zone_hysteresis", "sticking at rest"), {"start_later_deg": 3.0}
+    )
+    offset = Applied(find_effect("phase_offset", ""), {"offset_deg": -1.5})
+    moved = replace(commanded, phase_deg=stairs_deg - 1.5)
+    both = shaft_run([offset, sticks], commanded).settled_rad_s
+    assert both == pytest.approx(shaft_run([sticks], moved).settled_rad_s)
+    assert not np.allclose(both, shaft_run([offset], commanded).settled_rad_s)

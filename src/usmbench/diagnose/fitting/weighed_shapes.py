@@ -68,11 +68,17 @@ class WeighedShapes:
 
     def _beside_little(self) -> bool:
         """Whether the effects given change the speed so little that each acts as if alone."""
-        if self._base is None:
+        if self._base is None or self._starts_elsewhere():
             return False
         speeds = [s.simulated_rad_s for s in self._problem.stretches]
         changed, all_of_it = (np.linalg.norm(np.concatenate(x)) for x in (self._base, speeds))
         return bool(changed < _SLIGHT * all_of_it)
+
+    def _starts_elsewhere(self) -> bool:
+        """Whether it begins at some phase, and those given move the phase that is set."""
+        begins = all(p.scanned for p in self._effect.parameters)
+        moved = any(applied.effect.stage == "command" for applied in self._given)
+        return begins and moved and self._effect.stage != "command"
 
     def changes(
         self, points: Sequence[Mapping[str, float]], *, alone: bool = False

@@ -209,3 +209,18 @@ def test_what_a_grid_already_tries_closely_is_charged_as_it_is(name: str) -> Non
     problem = _driven(_multisine_deg(1500, 94))
     found = fit_effect(problem, effect)
     assert charged_closely(problem, found).roughness == pytest.approx(found.roughness, rel=0.02)
+
+
+def test_a_late_start_is_searched_at_the_phases_that_an_offset_sets() -> None:
+    """However little the offset changes the speed, no start is where it was without it."""
+    offset = Applied(find_effect("phase_offset", ""), {"offset_deg": -1.5})
+    sticks = Applied(
+        find_effect("dead_zone_hysteresis", "sticking at rest"), {"start_later_deg": 3.0}
+    )
+    draw = np.random.default_rng(3)
+    near_deg, far_deg = draw.uniform(-30.0, 30.0, 200), draw.uniform(60.0, 88.0, 400)
+    dwells_deg = np.repeat(np.r_[near_deg, far_deg], 5)
+    problem = _driven(dwells_deg, offset)
+    both = problem.measuring(problem.change_rad_s([offset, sticks]))
+    all_of_it = both.drop([offset, sticks]) - both.drop([offset])
+    assert fit_effect(both, sticks.effect, [offset]).statistic == pytest.approx(all_of_it)
