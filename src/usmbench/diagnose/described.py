@@ -19,6 +19,7 @@ from usmbench.diagnose.naming.beside_verdict import said_beside
 from usmbench.diagnose.naming.chance import chancy_of
 from usmbench.diagnose.naming.detectable import smallest_sizes
 from usmbench.diagnose.naming.found import Found
+from usmbench.diagnose.naming.left_wave import left_wave_hz
 from usmbench.diagnose.naming.ranking import Ranked, alternatives, best_forms
 from usmbench.diagnose.naming.remainder import LOUD, Beyond, describe
 from usmbench.diagnose.naming.sporadic import left_unnamed
@@ -89,7 +90,8 @@ def described(
 def _remainder(found: Found, views: Sequence[View]) -> Remainder:
     """Say what is left, whichever test it was that told."""
     beyond = Beyond.of(found.problem, found.fit.effects, found.spread, found.after)
-    return describe(views, found.spread, beyond)
+    wave_hz = left_wave_hz(found.problem.stretches, found.left_rad_s)
+    return describe(views, found.spread, beyond, wave_hz)
 
 
 def _shown(views: Sequence[View]) -> bool:

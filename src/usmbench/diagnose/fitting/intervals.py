@@ -74,7 +74,7 @@ def leans_on_an_end(problem: Problem, fit: Fit, rise: float) -> bool:
     window_s = problem.stretches[0].context.window_s
     for k, p in enumerate(joint.parameters):
         way = float(joint.start[k]) - p.null
-        shortest = _LESS * way < p.least_windows * window_s
+        shortest = p.least_windows > 0.0 and _LESS * way < p.least_windows * window_s
         if p.scanned and (shortest or way > AT_END * (p.high - p.null)):
             risen, _ = _Profile(joint, joint.start, k, rise).rise(joint.start, p.null + _LESS * way)
             if risen > rise:

@@ -137,7 +137,25 @@ def _where(problem: Problem, rows: Array) -> str:
     return max(parts)[1]
 
 
-def describe(views: Sequence[View], spread: float, beyond: Beyond | None = None) -> Remainder:
+def _scatter_says(wave_hz: float | None) -> str:
+    """Say what a scatter that no view shows is like, and what to look for."""
+    if wave_hz is None:
+        return (
+            "without a pattern: look for what is faster than a window, such as a ripple of the "
+            "supply"
+        )
+    return (
+        f"most of it in a wave of {wave_hz:.3g} Hz, or of one that the windows fold to it: look "
+        "for what swings so, such as a ripple of the supply"
+    )
+
+
+def describe(
+    views: Sequence[View],
+    spread: float,
+    beyond: Beyond | None = None,
+    wave_hz: float | None = None,
+) -> Remainder:
     """Return what shows most plainly that something is left after the extension.
 
     Parameters
@@ -149,14 +167,16 @@ def describe(views: Sequence[View], spread: float, beyond: Beyond | None = None)
     beyond
         What is left where no view by itself shows it; None where it looks like a cause that is
         not named.
+    wave_hz
+        Frequency of the wave that most of what is left is; None for none.
     """
     worst = max(views, key=lambda view: view.excess_after)
     most = LOUD if spread > LOUD else 1.0
     if spread > LOUD_ALONE and worst.excess_after < most:
         return Remainder(
             "noise",
-            f"the windows scatter {spread:.2g} times as widely as in the model's runs, without a "
-            "pattern: look for what is faster than a window, such as a ripple of the supply",
+            f"the windows scatter {spread:.2g} times as widely as in the model's runs, "
+            + _scatter_says(wave_hz),
         )
     if worst.excess_after < 1.0:
         return Remainder("time", _LIKE_A_CAUSE if beyond is None else beyond.says())
