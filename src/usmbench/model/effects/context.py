@@ -24,7 +24,8 @@ class Context:
     window_s
         Duration of a window.
     phase_deg
-        Commanded phase.
+        Commanded phase; at the stage `settled` the one that is set, with what effects of the stage
+        `command` make of it.
     settled_rad_s
         The model's static curve at this stretch's operating points: phases in, speeds out.
     linear
