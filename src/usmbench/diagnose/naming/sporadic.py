@@ -27,6 +27,7 @@ _FEWEST = 3
 _TOLD = 2  # healthy runs have one now and then
 _BEYOND = 2.0  # times the highest speed
 _OF_SCATTER = 5.0  # standard deviations of the windows around
+_SELDOM = 1e-3  # probability; five windows come to that
 _AS_USUAL = 2.0  # times the rate of the identified runs: their plans differ
 
 
@@ -79,7 +80,9 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
         return None
     if not are_exceptions(problem.stretches, left, alone.plain, alone.calm):
         return None
-    if _strikes_slow_ones(windows) or _among_scatter(problem, left, alone):
+    if _strikes_slow_ones(windows) or _comes_with_steps(problem, alone):
+        return None
+    if _among_scatter(problem, left, alone):
         return None
     kinds = [effect for effect in library() if isinstance(effect, SporadicEffect)]
     weighed = [(effect, effect.weigh(windows)) for effect in kinds]
@@ -111,6 +114,16 @@ def _strikes_slow_ones(windows: LoneWindows) -> bool:
     # Its exact way warns where it fails.
     p_value = ks_2samp(struck, fast, alternative="greater", method="asymp").pvalue
     return bool(p_value < NO_CHANCE)
+
+
+def _comes_with_steps(problem: Problem, alone: StandingAlone) -> bool:
+    """Whether lone windows begin with larger steps than chance has them: a motor that lags."""
+    steps = np.concatenate(
+        [np.where(s.lag == 0, np.abs(s.step_rad_s), 0.0) for s in problem.stretches]
+    )
+    calm, plain = np.concatenate(alone.calm), np.concatenate(alone.plain)
+    p_value = ks_2samp(steps[plain], steps[calm | plain], alternative="less", method="asymp").pvalue
+    return bool(p_value < _SELDOM)
 
 
 def _among_scatter(problem: Problem, left: Sequence[Array], alone: StandingAlone) -> bool:

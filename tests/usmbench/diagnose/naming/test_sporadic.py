@@ -101,6 +101,22 @@ def test_a_counter_errs_no_more_often_the_slower_it_counts(slow_ones: bool, foun
     assert (find_sporadic(problem, (), 1.0) is not None) == found
 
 
+@pytest.mark.parametrize(("after", "found"), [(0, False), (9, True)])
+def test_a_false_count_does_not_wait_for_a_step(after: int, found: bool) -> None:
+    """A motor that lags otherwise than the model says errs where the phase steps."""
+    draw = np.random.default_rng(7)
+    phases_deg = np.where(np.arange(200) % 20 < 10, 30.0, 40.0) + draw.uniform(0.0, 2.0, 200)
+    record = driven(np.repeat(phases_deg, 20), 4)
+    hits = 20 * np.arange(10, 200, 10) + after
+    speed_rad_s = record.speed_rad_s.copy()
+    speed_rad_s[hits] += 60.0 * NOISE_RAD_S * draw.choice([-1.0, 1.0], hits.size)
+    (stretch,), _ = cut_runs([replace(record, speed_rad_s=speed_rad_s)], identified(), ())
+    known = knowledge_of(identified())
+    assert known.noise is not None
+    problem = Problem([stretch], known, known.noise, [stretch.use])
+    assert (find_sporadic(problem, (), 1.0) is not None) == found
+
+
 def test_a_false_count_is_as_large_as_it_is_beside_its_neighbours() -> None:
     model = identified()
     draw = np.random.default_rng(6)
