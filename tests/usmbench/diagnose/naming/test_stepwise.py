@@ -10,9 +10,10 @@ import pytest
 import known_motor
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.stretches import Stretch
-from usmbench.diagnose.fitting.fit import Fit
+from usmbench.diagnose.fitting.fit import NOTHING, Fit
 from usmbench.diagnose.known.knowledge import Knowledge
 from usmbench.diagnose.known.model_knowledge import knowledge_of
+from usmbench.diagnose.naming import stepwise
 from usmbench.diagnose.naming.ranking import Ranked, rank
 from usmbench.diagnose.naming.stepwise import Named, _trifle, name_causes
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
@@ -222,3 +223,38 @@ def test_a_third_that_brings_little_is_what_the_forms_of_two_are_off_by(
     found, longer = (Fit(e, problem.drop(e), 0.0) for e in (two, (*two, drag)))
     assert longer.statistic > found.statistic + 100.0
     assert _trifle(Named(problem, [], found, 1.0), longer) == trifle
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        (("phase_quantisation", "rounded", {"step_deg": 8.4}), "speed_scale"),
+        (("thermal_drift", "speed", {"final_drift": 0.1, "warm_up_s": 20.0}), None),
+    ],
+    ids=["a grid", "no grid"],
+)
+def test_beside_a_grid_what_fits_next_is_tried_where_the_best_does_not_hold(
+    stretches: list[Stretch],
+    model: HammersteinModel,
+    monkeypatch: pytest.MonkeyPatch,
+    first: tuple[str, str, dict[str, float]],
+    second: str | None,
+) -> None:
+    """What moves a phase fits the rows that it moves over an edge of the grid, and no others."""
+    name, form, values = first
+    given = Applied(find_effect(name, form), values)
+    fit, rankings = Fit((given,), 2e4, 0.0), [[Ranked(given.effect, NOTHING, 2e4, 0.0, 2e4)]]
+    found = Named(_stuck(stretches, model), rankings, fit, 1.0)
+    beside = [
+        Ranked(one.effect, replace(fit, effects=(given, one)), statistic, 1e-20, statistic)
+        for one, statistic in (
+            (known_motor.applied("phase_scale", "", scale_error=-0.01), 170.0),
+            (known_motor.applied("speed_scale", "", scale_error=0.05), 130.0),
+        )
+    ]
+    monkeypatch.setattr(stepwise, "refine_widely", lambda _, fit: fit)
+    monkeypatch.setattr(
+        stepwise, "worth_a_name", lambda *given: given[2].effects[-1].effect.name == "speed_scale"
+    )
+    worth = stepwise._first_worth(found, rankings, beside)
+    assert (None if worth is None else worth[0][0].effect.name) == second
