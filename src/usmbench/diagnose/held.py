@@ -11,6 +11,8 @@ from usmbench.diagnose.naming.verdict import verdict_on
 from usmbench.diagnose.residual.whole import PLAIN_P_VALUE
 from usmbench.diagnose.result import Verdict
 
+_STANDS: tuple[Verdict, ...] = ("explained", "partly_explained")
+
 
 @dataclass(frozen=True, slots=True)
 class Held:
@@ -48,11 +50,12 @@ def held(found: Found) -> Held:
     sporadic = find_sporadic(found.problem, found.fit.effects, found.spread)
     if sporadic is not None and sporadic.named.name in found.names:
         sporadic = None
-    # The search keeps what is far out from its fits: of what chance does, they leave a part.
     scattered = found.count_scatter()
-    says = verdict_on(scattered, sporadic)
-    stands = says in ("explained", "partly_explained")
-    if not stands:
+    says = verdict_on(found, sporadic)
+    if says not in _STANDS and scattered is not found:
+        # The search keeps what is far out from its fits: of what chance does, they leave a part.
+        says = verdict_on(scattered, sporadic)
+    if says not in _STANDS:
         unnamed = found.drop_names()
         if found.named and sporadic is not None:
             # That names do not stand says nothing against windows that stand alone.

@@ -32,15 +32,18 @@ def test_names_that_do_not_stand_say_nothing_against_false_counts(false_counts: 
     )
 
 
-def test_what_chance_strikes_is_judged_by_all_its_windows(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("first", ["explained", "unexplained"])
+def test_what_chance_strikes_stands_by_all_its_windows_too(
+    first: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """The search keeps those far out from its fits, which then leave a part of the mean."""
     phase_deg = np.repeat(np.random.default_rng(2).uniform(30.0, 88.0, 100), 20)
     found = searched(cut_beside_own([driven(phase_deg, 4)], identified())[0], identified())
     struck = replace(found, spread=1.5)
+    second = "explained" if first == "unexplained" else "unexplained"
     monkeypatch.setattr(Found, "count_scatter", lambda _: struck)
     monkeypatch.setattr(
-        "usmbench.diagnose.held.verdict_on",
-        lambda judged, _: "explained" if judged is struck else "unexplained",
+        "usmbench.diagnose.held.verdict_on", lambda f, _: second if f is struck else first
     )
     stands = held(found)
     assert (stands.verdict, stands.found) == ("explained", struck)
