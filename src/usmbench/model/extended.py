@@ -175,8 +175,13 @@ def shaft_speeds(effects: Sequence[Applied], contexts: Sequence[Context]) -> lis
 def _driven(effects: Sequence[Applied], context: Context) -> Array:
     """Return the settled speed that drives the dynamics, shape (N,)."""
     phase_deg = through(effects, "command", context.phase_deg, context)
-    set_ = context if phase_deg is context.phase_deg else replace(context, phase_deg=phase_deg)
-    return through(effects, "settled", context.settled_rad_s(phase_deg), set_)
+    # Not by a grid: where a start and its steps are sought one after the other, the first found
+    # would make up for the other.
+    smooth = [a for a in effects if not a.effect.jagged]
+    set_deg = through(smooth, "command", context.phase_deg, context)
+    moved = set_deg is not context.phase_deg
+    seen = replace(context, phase_deg=set_deg) if moved else context
+    return through(effects, "settled", context.settled_rad_s(phase_deg), seen)
 
 
 def counted(effects: Sequence[Applied], shaft_rad_s: Array, context: Context) -> Array:

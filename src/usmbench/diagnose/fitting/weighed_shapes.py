@@ -77,7 +77,7 @@ class WeighedShapes:
     def _starts_elsewhere(self) -> bool:
         """Whether it begins at some phase, and those given move the phase that is set."""
         begins = all(p.scanned for p in self._effect.parameters)
-        moved = any(applied.effect.stage == "command" for applied in self._given)
+        moved = any(a.effect.stage == "command" and not a.effect.jagged for a in self._given)
         return begins and moved and self._effect.stage != "command"
 
     def changes(

@@ -25,7 +25,7 @@ class Context:
         Duration of a window.
     phase_deg
         Commanded phase; at the stage `settled` the one that is set, with what effects of the stage
-        `command` make of it.
+        `command` make of it, but for the steps of a grid.
     settled_rad_s
         The model's static curve at this stretch's operating points: phases in, speeds out.
     linear

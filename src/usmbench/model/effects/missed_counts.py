@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 
@@ -35,7 +36,7 @@ class LostExcess(Effect):
     mend = _MEND
     stage = "counter"
     by_chance = True
-    parameters = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter(
             "lost_of_excess",
             "1",
