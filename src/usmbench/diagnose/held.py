@@ -9,9 +9,7 @@ from usmbench.diagnose.naming.ranking import NO_CHANCE
 from usmbench.diagnose.naming.sporadic import Sporadic, find_sporadic
 from usmbench.diagnose.naming.verdict import verdict_on
 from usmbench.diagnose.residual.whole import PLAIN_P_VALUE
-from usmbench.diagnose.result import Verdict
-
-_STANDS: tuple[Verdict, ...] = ("explained", "partly_explained")
+from usmbench.diagnose.result import STANDS, Verdict
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,10 +50,10 @@ def held(found: Found) -> Held:
         sporadic = None
     scattered = found.count_scatter()
     says = verdict_on(found, sporadic)
-    if says not in _STANDS and scattered is not found:
+    if says not in STANDS and scattered is not found:
         # The search keeps what is far out from its fits: of what chance does, they leave a part.
         says = verdict_on(scattered, sporadic)
-    if says not in _STANDS:
+    if says not in STANDS:
         unnamed = found.drop_names()
         if found.named and sporadic is not None:
             # That names do not stand says nothing against windows that stand alone.

@@ -11,6 +11,8 @@ from usmbench.model.hammerstein import HammersteinModel
 
 Array = NDArray[np.float64]
 Verdict = Literal["no_discrepancy", "explained", "partly_explained", "unexplained"]
+STANDS: tuple[Verdict, ...] = ("explained", "partly_explained")
+"""What is said of names that stand."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -175,13 +175,23 @@ def shaft_speeds(effects: Sequence[Applied], contexts: Sequence[Context]) -> lis
 def _driven(effects: Sequence[Applied], context: Context) -> Array:
     """Return the settled speed that drives the dynamics, shape (N,)."""
     phase_deg = through(effects, "command", context.phase_deg, context)
-    # Not by a grid: where a start and its steps are sought one after the other, the first found
-    # would make up for the other.
-    smooth = [a for a in effects if not a.effect.jagged]
-    set_deg = through(smooth, "command", context.phase_deg, context)
-    moved = set_deg is not context.phase_deg
-    seen = replace(context, phase_deg=set_deg) if moved else context
-    return through(effects, "settled", context.settled_rad_s(phase_deg), seen)
+    start_deg = through(moving_starts(effects), "command", context.phase_deg, context)
+    starting = replace(context, phase_deg=start_deg)
+    return through(effects, "settled", context.settled_rad_s(phase_deg), starting)
+
+
+def moving_starts(effects: Sequence[Applied]) -> list[Applied]:
+    """Return the effects that move the phases at which a rotor starts.
+
+    Not a grid: where a start and the steps of a grid are sought one after the other, the first
+    found would make up for the other.
+
+    Parameters
+    ----------
+    effects
+        All effects.
+    """
+    return [a for a in effects if a.effect.stage == "command" and not a.effect.jagged]
 
 
 def counted(effects: Sequence[Applied], shaft_rad_s: Array, context: Context) -> Array:

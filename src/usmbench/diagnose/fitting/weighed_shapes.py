@@ -11,7 +11,7 @@ from usmbench.diagnose.fitting.shape_ratings import Rated
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.base import Effect
 from usmbench.model.effects.parameter import Parameter
-from usmbench.model.extended import Applied
+from usmbench.model.extended import Applied, moving_starts
 
 Array = NDArray[np.float64]
 
@@ -77,8 +77,7 @@ class WeighedShapes:
     def _starts_elsewhere(self) -> bool:
         """Whether it begins at some phase, and those given move the phase that is set."""
         begins = all(p.scanned for p in self._effect.parameters)
-        moved = any(a.effect.stage == "command" and not a.effect.jagged for a in self._given)
-        return begins and moved and self._effect.stage != "command"
+        return begins and self._effect.stage == "settled" and bool(moving_starts(self._given))
 
     def changes(
         self, points: Sequence[Mapping[str, float]], *, alone: bool = False

@@ -9,14 +9,16 @@ from usmbench.diagnose.cutting.stretches import Stretch
 
 Array = NDArray[np.float64]
 
-_MOST = 0.5  # of the power, within as many lines around the strongest as a Hann window is wide
-_WIDE, _FEWEST = 2, 64
+_MOST = 0.5  # of the power; nothing measured sets it, nor how few windows tell a wave
+_FEWEST = 64
+_WIDE = 2  # lines on either side, to which a Hann window spreads one
 
 
 def left_wave_hz(stretches: Sequence[Stretch], left_rad_s: Sequence[Array]) -> float | None:
     """Return the frequency of which most of what is left is; None where there is no such one.
 
-    Of what swings faster than half the rate of the windows it is the one that these fold it to.
+    The longest run tells. Of what swings faster than half the rate of the windows it is the
+    frequency that these fold it to.
 
     Parameters
     ----------
@@ -24,6 +26,11 @@ def left_wave_hz(stretches: Sequence[Stretch], left_rad_s: Sequence[Array]) -> f
         The runs.
     left_rad_s
         What is left of each, in rad/s, shape (N,).
+
+    Returns
+    -------
+    float or None
+        In Hz: the mean of the strongest line of the spectrum and those beside it, by power.
     """
     longest = int(np.argmax([left.size for left in left_rad_s]))
     left, window_s = left_rad_s[longest], stretches[longest].context.window_s

@@ -27,6 +27,7 @@ from usmbench.diagnose.residual.basis import Basis
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.views import omnibus
 from usmbench.diagnose.residual.whole import doubted_test, whole_test
+from usmbench.diagnose.result import STANDS
 from usmbench.model.effects.base import Effect
 from usmbench.model.extended import Applied
 
@@ -186,7 +187,7 @@ def _with_a_pair(
         return found
     both = weighed.found(pair)
     quiet = both.spread <= _AS_QUIET * found.spread
-    stands = quiet and verdict_on(both, None) in ("explained", "partly_explained")
+    stands = quiet and verdict_on(both, None) in STANDS
     return both if stands else found
 
 

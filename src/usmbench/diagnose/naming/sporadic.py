@@ -15,6 +15,7 @@ from usmbench.diagnose.naming.standing_alone import StandingAlone, clear_rows
 from usmbench.diagnose.noise.rotor_states import moved_rad_s, steady
 from usmbench.diagnose.noise.spikes import apart, are_exceptions
 from usmbench.diagnose.residual.problem import Problem
+from usmbench.diagnose.residual.whole import PLAIN_P_VALUE
 from usmbench.model.effects.lone_windows import LoneWindows, SporadicEffect, Weighed
 from usmbench.model.effects.registry import library
 from usmbench.model.extended import Applied
@@ -27,7 +28,6 @@ _FEWEST = 3
 _TOLD = 2  # healthy runs have one now and then
 _BEYOND = 2.0  # times the highest speed
 _OF_SCATTER = 5.0  # standard deviations of the windows around
-_SELDOM = 1e-3  # probability; five windows come to that
 _AS_USUAL = 2.0  # times the rate of the identified runs: their plans differ
 
 
@@ -80,9 +80,11 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
         return None
     if not are_exceptions(problem.stretches, left, alone.plain, alone.calm):
         return None
-    if _strikes_slow_ones(windows) or _comes_with_steps(problem, alone):
-        return None
-    if _among_scatter(problem, left, alone):
+    if (
+        _strikes_slow_ones(windows)
+        or _comes_with_steps(problem, alone)
+        or _among_scatter(problem, left, alone)
+    ):
         return None
     kinds = [effect for effect in library() if isinstance(effect, SporadicEffect)]
     weighed = [(effect, effect.weigh(windows)) for effect in kinds]
@@ -123,7 +125,7 @@ def _comes_with_steps(problem: Problem, alone: StandingAlone) -> bool:
     )
     calm, plain = np.concatenate(alone.calm), np.concatenate(alone.plain)
     p_value = ks_2samp(steps[plain], steps[calm | plain], alternative="less", method="asymp").pvalue
-    return bool(p_value < _SELDOM)
+    return bool(p_value < PLAIN_P_VALUE)
 
 
 def _among_scatter(problem: Problem, left: Sequence[Array], alone: StandingAlone) -> bool:

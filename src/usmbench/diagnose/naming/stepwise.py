@@ -35,7 +35,7 @@ _MOST_CAUSES = 3  # two are named at most: a third only shows that they are patc
 # For what healthy runs show anyhow; see "nothing hidden" in benchmarks/naming_campaign.py.
 _UNUSUAL = 1e-9
 _LEAST_CLEAR = 0.1  # of the rows: what is left where chance cannot strike must tell something
-_BESIDE_GRID = 3  # causes: what moves a phase moves it over an edge of the grid, or not
+_BESIDE_GRID = 3  # causes, since each takes time; nothing measured sets it
 _BY_CHANCE = 3.8  # mean squares: 95 % of chi-squared with one
 
 
@@ -148,6 +148,7 @@ def _first_worth(
         every = [alternatives(ranking) for ranking in (*found.rankings, *before)]
         first = First(found.fit.statistic / found.spread**2, frozenset().union(*every))
     near = nearest(ranked)
+    # What moves phases fits the rows that it moves over an edge of a grid, and holds on no others.
     if any(applied.effect.jagged for applied in found.fit.effects):
         near += [r for r in best_forms(ranked)[:_BESIDE_GRID] if r not in near]
     for best in (r for r in near if r.p_value < CLEAR):

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -106,14 +107,9 @@ class LostMoreAndMore(LostExcess):
     parameters = (
         Parameter("share_lost", "1", 0.0, 0.0, 1.0, 0.05, what="share of counts lost in the end"),
         _THRESHOLD,
-        Parameter(
-            "within_rad_s",
-            "rad/s",
-            1.0,
-            0.0,
-            1e3,
-            0.5,
-            scanned=True,
+        replace(
+            _THRESHOLD,
+            name="within_rad_s",
             what="how much faster than that the motor turns where all of this share is lost",
         ),
     )
