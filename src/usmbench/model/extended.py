@@ -175,8 +175,10 @@ def shaft_speeds(effects: Sequence[Applied], contexts: Sequence[Context]) -> lis
 def _driven(effects: Sequence[Applied], context: Context) -> Array:
     """Return the settled speed that drives the dynamics, shape (N,)."""
     phase_deg = through(effects, "command", context.phase_deg, context)
-    start_deg = through(moving_starts(effects), "command", context.phase_deg, context)
-    starting = replace(context, phase_deg=start_deg)
+    starting, moving = context, moving_starts(effects)
+    if moving:
+        start_deg = through(moving, "command", context.phase_deg, context)
+        starting = replace(context, phase_deg=start_deg)
     return through(effects, "settled", context.settled_rad_s(phase_deg), starting)
 
 

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from usmbench.model.effects.parameter import Parameter
 from usmbench.model.extended import Applied
@@ -43,7 +43,7 @@ class Fit:
         the time (Chernoff 1954, doi:10.1214/aoms/1177728725).
         """
         u, sized = max(self.statistic, 0.0), self.sized
-        tail = float(chi2.sf(u, max(len(sized), 1)))
+        tail = float(chdtrc(max(len(sized), 1), u))
         tail += self.roughness * math.exp(-0.5 * u) / math.pi
         sides = 0.5 if u > 0.0 and len(sized) == 1 and sized[0].one_way else 1.0
         return min(sides * tail, 1.0)

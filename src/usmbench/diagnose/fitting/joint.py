@@ -105,7 +105,8 @@ class Joint:
             JᵀJ and Jᵀr of the Jacobian J and what is left r, shape (P, P) and (P,).
         """
         left = self._problem.left_rad_s(self.applied(theta))
-        products = self._problem.products([left, *self._slopes_rad_s(theta)])
+        signals = [np.concatenate(signal) for signal in (left, *self._slopes_rad_s(theta))]
+        products = self._problem.products(np.column_stack(signals))
         return products[1:, 1:], products[1:, 0]
 
     def jacobian(self, theta: Array) -> Array:

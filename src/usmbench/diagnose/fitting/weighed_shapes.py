@@ -48,6 +48,15 @@ def _angle_rad(products: Array, one: int, other: int) -> float:
     return 0.0 if sizes <= _NOTHING else math.acos(min(abs(products[one, other]) / sizes, 1.0))
 
 
+def _solved(normal: Array, slope: Array) -> list[float]:
+    """Return the sizes of least deviance; of what changes nothing 0."""
+    if slope.size == 1:  # most effects, thousands of times
+        return [float(slope[0] / normal[0, 0])] if normal[0, 0] > 0.0 else [0.0]
+    ridge = 1e-12 * np.trace(normal) * np.eye(slope.size)
+    sizes: list[float] = np.linalg.lstsq(normal + ridge, slope, rcond=None)[0].tolist()
+    return sizes
+
+
 class WeighedShapes:
     """One effect beside fixed ones, in shapes that are given.
 
@@ -63,43 +72,40 @@ class WeighedShapes:
 
     def __init__(self, problem: Problem, effect: Effect, given: tuple[Applied, ...]):
         self._problem, self._effect, self._given = problem, effect, given
-        self._base = problem.change_rad_s(given) if given else None
-        self._left = problem.left_rad_s(given)
+        self._left_rad_s = np.concatenate(problem.left_rad_s(given))
+        self._simulated_rad_s = np.concatenate([s.simulated_rad_s for s in problem.stretches])
+        self._before_rad_s = self._simulated_rad_s
+        if given:
+            self._before_rad_s = problem.speeds_rad_s([given])[:, 0]
 
     def _beside_little(self) -> bool:
         """Whether the effects given change the speed so little that each acts as if alone."""
-        if self._base is None or self._starts_elsewhere():
+        if not self._given or self._starts_elsewhere():
             return False
-        speeds = [s.simulated_rad_s for s in self._problem.stretches]
-        changed, all_of_it = (np.linalg.norm(np.concatenate(x)) for x in (self._base, speeds))
-        return bool(changed < _SLIGHT * all_of_it)
+        changed = np.linalg.norm(self._before_rad_s - self._simulated_rad_s)
+        return bool(changed < _SLIGHT * np.linalg.norm(self._simulated_rad_s))
 
     def _starts_elsewhere(self) -> bool:
         """Whether it begins at some phase, and those given move the phase that is set."""
         begins = all(p.scanned for p in self._effect.parameters)
         return begins and self._effect.stage == "settled" and bool(moving_starts(self._given))
 
-    def changes(
-        self, points: Sequence[Mapping[str, float]], *, alone: bool = False
-    ) -> list[list[Array]]:
-        """Return the changes that the effect makes at each point, by stretch, shape (N,) each.
+    def changes_rad_s(self, points: Sequence[Mapping[str, float]], *, alone: bool = False) -> Array:
+        """Return the changes that the effect makes at each point, shape (N, M).
 
         What it makes of a run without those given is at hand where it was scanned before.
 
         Parameters
         ----------
         points
-            Values at each, of all parameters.
+            M values of all its parameters.
         alone
             Whether to take those given away.
         """
-        given, base = ((), None) if alone else (self._given, self._base)
-        changes = [
-            self._problem.change_rad_s((*given, Applied(self._effect, values))) for values in points
-        ]
-        if base is None:
-            return changes
-        return [[c - b for c, b in zip(change, base, strict=True)] for change in changes]
+        given, without = ((), self._simulated_rad_s) if alone else (self._given, self._before_rad_s)
+        motors = [(*given, Applied(self._effect, values)) for values in points]
+        changes: Array = self._problem.speeds_rad_s(motors) - without[:, None]
+        return changes
 
     def best(
         self,
@@ -117,17 +123,17 @@ class WeighedShapes:
         sized
             Parameters that size the effect.
         alone
-            As in `changes`.
+            As in `changes_rad_s`.
         """
         nulls, each = {q.name: q.null for q in sized}, max(len(sized), 1)
-        last = [np.zeros_like(left) for left in self._left]
+        last = np.zeros_like(self._left_rad_s)
         for at in range(0, len(shapes), _AT_ONCE):
             chunk = shapes[at : at + _AT_ONCE]
             points = [
                 {**shape, **nulls, p.name: p.null + p.typical} for shape in chunk for p in sized
             ]
-            changes = self.changes(points or chunk, alone=alone)
-            products = self._problem.products([self._left, last, *changes])
+            changes = self.changes_rad_s(points or chunk, alone=alone)
+            products = self._problem.products(np.column_stack([self._left_rad_s, last, changes]))
             per = np.array([1.0, 1.0, *([p.typical for p in sized] or [1.0]) * len(chunk)])
             products /= np.outer(per, per)
             before = 1
@@ -137,7 +143,7 @@ class WeighedShapes:
                 square, turned = float(normal[0, 0]), 0.0
                 if square > _NOTHING:
                     turned = _angle_rad(products, before, own.start)
-                    before, last = own.start, changes[k * each]
+                    before, last = own.start, changes[:, k * each]
                 yield Tried(*self._sized(shape, sized, normal, slope), square, turned)
 
     def _sized(
@@ -146,11 +152,8 @@ class WeighedShapes:
         """Return the best sizes at fixed shape, to first order, and the drop they bring."""
         if not sized:
             return dict(shape), float(2.0 * slope[0] - normal[0, 0])
-        ridge = 1e-12 * np.trace(normal) * np.eye(len(sized))
-        sizes = np.linalg.lstsq(normal + ridge, slope, rcond=None)[0]
-        kept = np.array(
-            [np.clip(p.null + z, p.low, p.high) - p.null for p, z in zip(sized, sizes, strict=True)]
-        )
+        pairs = list(zip(sized, _solved(normal, slope), strict=True))
+        kept = np.array([min(max(p.null + z, p.low), p.high) - p.null for p, z in pairs])
         values = {p.name: float(p.null + z) for p, z in zip(sized, kept, strict=True)}
         return {**shape, **values}, float(2.0 * kept @ slope - kept @ normal @ kept)
 

@@ -207,6 +207,16 @@ class Problem(WeighedResidual):
         extended = self._runs.speed_rad_s((*self.own, *effects))
         return [e - s.simulated_rad_s for e, s in zip(extended, self.stretches, strict=True)]
 
+    def speeds_rad_s(self, many: Sequence[Sequence[Applied]]) -> Array:
+        """Return the free runs of several motors at once, stretch after stretch, shape (N, M).
+
+        Parameters
+        ----------
+        many
+            The effects of each, beyond the model's own.
+        """
+        return self._runs.together_rad_s([(*self.own, *effects) for effects in many])
+
     def left_rad_s(self, effects: Sequence[Applied]) -> list[Array]:
         """Return the residual of each stretch with effects taken out, in rad/s, shape (N,).
 

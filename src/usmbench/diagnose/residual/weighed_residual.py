@@ -126,16 +126,15 @@ class WeighedResidual:
         """
         return self._carrier.square(np.concatenate(signal))
 
-    def products(self, signals: Sequence[Sequence[Array]]) -> Array:
+    def products(self, signals: Array) -> Array:
         """Return the products of carried residuals with each other, shape (K, K).
 
         Parameters
         ----------
         signals
-            K residuals, each by stretch, in rad/s, shape (N,).
+            K residuals, in rad/s, stretch after stretch, shape (N, K).
         """
-        parts = [np.column_stack(part) for part in zip(*signals, strict=True)]
-        return self._carrier.products(parts[0] if len(parts) == 1 else np.concatenate(parts))
+        return self._carrier.products(signals)
 
     def _judge(self, masks: Sequence[Mask]) -> None:
         """Take the rows that count."""

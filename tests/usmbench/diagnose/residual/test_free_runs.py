@@ -66,11 +66,38 @@ def test_what_fits_in_memory_of_a_scan_is_run_once(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("usmbench.diagnose.residual.free_runs._KEPT", kept)
+    monkeypatch.setattr("usmbench.diagnose.residual.free_runs._LAST", 1)
     runs = FreeRuns(stretches)
-    delays_s = np.linspace(0.001, 0.02, 12).tolist()
-    for delay_s in [*delays_s, *delays_s]:
-        runs.speed_rad_s([Applied(LATE[0].effect, {"delay_s": delay_s})])
+    late = [[Applied(LATE[0].effect, {"delay_s": d})] for d in np.linspace(0.001, 0.02, 12)]
+    for _ in range(2):
+        for at in range(0, 12, 4):
+            runs.together_rad_s(late[at : at + 4])
     assert len(asked) == n_runs
+
+
+@pytest.mark.parametrize("after", [[], [RIPPLE], [BLIND]])
+def test_runs_that_are_kept_together_are_those_made_one_by_one(
+    stretches: list[Stretch], after: list[Applied]
+) -> None:
+    runs = FreeRuns(stretches)
+    motors = [[late, *after] for late in LATE]
+    for _ in range(2):
+        found = runs.together_rad_s(motors)
+        for column, effects in zip(found.T, motors, strict=True):
+            expected = extended_run(effects, stretches[0].context).speed_rad_s
+            np.testing.assert_array_equal(column, expected)
+
+
+def test_what_was_kept_of_a_counter_does_not_hold_at_another_angle(
+    stretches: list[Stretch],
+) -> None:
+    runs = FreeRuns(stretches)
+    angle_rad = np.linspace(0.0, 9.0, stretches[0].context.n)
+    context = replace(stretches[0].context, angle_rad=angle_rad)
+    runs.together_rad_s([[RIPPLE]])
+    found = runs.turned([replace(stretches[0], context=context)]).together_rad_s([[RIPPLE]])
+    expected = extended_run([RIPPLE], context).speed_rad_s
+    np.testing.assert_array_equal(found[:, 0], expected)
 
 
 def test_another_noise_runs_nothing_again(
