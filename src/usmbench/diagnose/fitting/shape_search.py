@@ -15,6 +15,7 @@ Array = NDArray[np.float64]
 
 _ZOOM_ROUNDS, _JAGGED_ROUNDS = 2, 5
 _ZOOM_POINTS = 7
+_PROBED, _SIGMAS = 16, 5.0  # one shape of so many; of chance
 _PATH_DENSER = 4  # than the grid, for how long a way all shapes are
 _NEAR, _DENSER = 1.25, 10  # how far from the best value a jagged effect is tried so much denser
 
@@ -50,6 +51,8 @@ class ShapeSearch(WeighedShapes):
             {**others, **{p.name: float(x) for p, x in zip(scanned, point, strict=True)}}
             for point in product(*self.axes(scanned))
         ]
+        if self._effect.jagged and len(scanned) == 1:
+            shapes = self._within_reach(shapes)
         best: Rated | None = None
         near: list[Rated] = []
         turned, reached = 0.0, 0.0
@@ -70,6 +73,26 @@ class ShapeSearch(WeighedShapes):
         if sized or self._effect.jagged:
             return *best, turned
         return *best, charged(turned, reached)
+
+    def _within_reach(self, shapes: list[dict[str, float]]) -> list[dict[str, float]]:
+        """Leave out stretches of a path along which nothing can lower the deviance.
+
+        A change c lowers it by 2 e·c − c², e what is left: at most |c| (2 (|s| + z) − |c|), where
+        |s|² is what is left beyond chance and z what chance brings along c.
+
+        Parameters
+        ----------
+        shapes
+            The path, of an effect that nothing sizes.
+        """
+        n = self._problem.n_rows
+        deviance = float(self._problem.products(self._left_rad_s[:, None])[0, 0])
+        beyond = max(deviance - n, 0.0) + _SIGMAS * math.sqrt(2.0 * n)
+        reach = (2.0 * (math.sqrt(beyond) + _SIGMAS)) ** 2
+        probes = shapes[::_PROBED]
+        far = np.array([tried.square > reach for tried in self.best(probes, ())])
+        left_out = np.repeat(far & np.append(far[1:], far[-1]), _PROBED)
+        return [shape for shape, out in zip(shapes, left_out, strict=False) if not out] or probes
 
     def axes(self, scanned: Sequence[Parameter]) -> list[Array]:
         """Return the values at which each parameter is tried first.

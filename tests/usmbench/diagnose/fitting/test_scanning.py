@@ -55,6 +55,35 @@ def test_a_step_between_two_of_the_grid_is_found_among_random_phases(seed: int) 
     assert cause.parameters[0].value == pytest.approx(step_deg, rel=1e-3)
 
 
+@pytest.mark.parametrize("step_deg", [0.12, 0.71, 5.3])
+def test_what_is_left_out_of_a_scan_is_not_where_the_step_is(
+    step_deg: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    effect = find_effect("phase_quantisation", "cut to zero")
+    problem = _showing(Applied(effect, {"step_deg": step_deg}))
+    found = fit_effect(problem, effect)
+    monkeypatch.setattr("usmbench.diagnose.fitting.shape_search._SIGMAS", np.inf)
+    assert found.effects == fit_effect(problem, effect).effects
+
+
+def test_where_nothing_is_left_steps_that_would_show_plainly_are_left_out(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    effect = find_effect("phase_quantisation", "cut to zero")
+    problem = _driven(np.repeat(np.random.default_rng(3).uniform(-88.0, 88.0, 120), 5))
+    (axis,) = effect.grid([s.context for s in problem.stretches]).values()
+    tried: list[Applied] = []
+    together = Problem.speeds_rad_s
+
+    def counting(self: Problem, many: Sequence[Sequence[Applied]]) -> Array:
+        tried.extend(effects[-1] for effects in many)
+        return together(self, many)
+
+    monkeypatch.setattr(Problem, "speeds_rad_s", counting)
+    fit_effect(problem, effect)
+    assert len(tried) < 0.5 * axis.size
+
+
 def _showing(hidden: Applied) -> Problem:
     """Return the problem of a run without noise that shows an effect."""
     return _driven(np.repeat(np.random.default_rng(3).uniform(-88.0, 88.0, 120), 5), hidden)
