@@ -181,7 +181,7 @@ def _starting(
     wider: float,
     *,
     warms: float = 0.0,
-    lasts_s: float = 30.0,
+    lasts_s: float = 20.0,
     offset_deg: float = 0.0,
     levels_deg: tuple[float, ...] = (),
 ) -> Record:
