@@ -15,6 +15,7 @@ resonance both again, of what the resonance's move does, where the model knows s
 lag k     the step, k windows after it, times hats over the speeds it leads from and to; again
           times the place in frequency and torque: the lag changes along the resonance
 late      what commands that act later change: after steps that lie close, more than the lags hold
+braking   what a longer time constant changes where the motor slows down, and there only
 edge      what a dead zone wider by a share changes, likewise over time, places: it widens by heat
 start     a speed lost near standstill, after each kind of step, and again times the place in
           frequency and torque; and a dead zone that is wider outward bound: a rotor sticks
@@ -32,6 +33,7 @@ from numpy.typing import NDArray
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.shapes import (
     PHASE_NODES,
+    braking_slower,
     detuned_rad_s,
     felt,
     held_back,
@@ -61,6 +63,7 @@ GROUPS = (
     "resonance",
     "edge",
     "late",
+    "braking",
     *_LAG_GROUPS,
     "start",
     "angle",
@@ -69,7 +72,7 @@ WARMING = ("time", "heat", "friction", "resonance", "edge")
 """Groups that stand in a row, for what warming changes."""
 # Largest plausible share of each shape in a model that is right: standard deviations, as shares
 # of the highest speed (phase, direction, friction, resonance), of the speed, or of the step; of
-# lateness, in s.
+# lateness, in s; of the time constant.
 PRIOR = {
     "phase": 3e-3,
     "direction": 1e-3,
@@ -79,6 +82,7 @@ PRIOR = {
     "resonance": 5e-2,
     "edge": 2e-2,
     "late": 1e-4,
+    "braking": 0.1,
     **dict.fromkeys(_LAG_GROUPS, 0.05),
     "start": 0.2,
     "angle": 2e-3,
@@ -133,6 +137,7 @@ class Features:
             0 if self.steepest_rad_s is None else 1 + 3 * self.n_constants,
             (1 + self.n_places) * self.n_constants,
             1,
+            1,
             *((1 + self.n_places) * n * n for n in CELLS),
             (1 + self.n_places) * N_NEAR_STANDSTILL + 1,
             4,
@@ -176,6 +181,7 @@ class Features:
             yield from felt(stretch.context.linear, np.column_stack(off)).T
         yield from self.warming(stretch)
         yield later_rad_s_per_s(stretch)
+        yield braking_slower(stretch)
         yield from after_steps(stretch, self.top_rad_s)
         yield from near_standstill(stretch, self.top_rad_s)
         yield widening(stretch, stretch.direction * np.sign(stretch.context.phase_deg))

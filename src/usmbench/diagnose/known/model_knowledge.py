@@ -26,7 +26,8 @@ from usmbench.settings.yaml_source import Source
 Array = NDArray[np.float64]
 
 _KEY = "diagnosis"
-_SHAPES = 3  # version of what coefficients mean: 1 had the dead zone's in degrees, 2 fewer nodes
+# Version of what coefficients mean: 1 had the dead zone's in degrees, 2 fewer nodes, 3 no braking.
+_SHAPES = 4
 _CAUTIOUS_CURVE = 0.2  # of the model's noise, at each node
 _CAUTIOUS_LAG = 0.002  # of the step
 
