@@ -1,11 +1,12 @@
 """Healthy motors on other days, in CSV files through the commands: what gets a name.
 
-    python benchmarks/healthy_days.py [--seed 1] [--draws 12] [--small]
+    python benchmarks/healthy_days.py [--seed 1] [--draws 12] [--braking] [--small]
 
 A motor of a few lines starts steeply, at a corner or gently, with ends of the dead zone that are
 not alike. Gain and dead zone are another each day, each by a share of itself. `usmbench identify`
 sees files of six days, `usmbench diagnose` that of a seventh, driven by another plan; a rotor that
-stands has no noise.
+stands has no noise. With --braking, motors brake in 40 to 80 % of the time that they take to run
+up, and the six days are all of one plan, of which the seventh is not.
 """
 
 import argparse
@@ -13,6 +14,7 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -72,7 +74,7 @@ def on_a_day(motor: PlainMotor, wander: float, rng: np.random.Generator) -> Plai
     )
 
 
-def draw(seed: int, number: int, n: int = _WINDOWS) -> Healthy:
+def draw(seed: int, number: int, n: int = _WINDOWS, *, braking: bool = False) -> Healthy:
     """Draw a motor and its days; identify and diagnose.
 
     Parameters
@@ -81,6 +83,8 @@ def draw(seed: int, number: int, n: int = _WINDOWS) -> Healthy:
         What fixes the draw; wanders and curves come in turn.
     n
         Windows of a run.
+    braking
+        Whether the motor brakes faster than it runs up, and its days are of one plan.
     """
     rng = np.random.default_rng([seed, number])
     curve = list(CURVES)[number % len(CURVES)]
@@ -88,10 +92,16 @@ def draw(seed: int, number: int, n: int = _WINDOWS) -> Healthy:
     low_deg, high_deg = rng.uniform(4.0, 15.0, 2)
     motor = replace(motor_of(rng), curve=curve, edges_deg=(low_deg, high_deg))
     deviation_rad_s, colour = rng.uniform(0.008, 0.03), rng.choice([0.0, 0.6])
+    plans: list[str] = []
+    if braking:
+        motor = replace(motor, brakes_in=float(rng.uniform(0.4, 0.8)))
+        usual, other = (str(kind) for kind in rng.choice(KINDS, 2, replace=False))
+        plans = [*[usual] * _DAYS, other]
     with tempfile.TemporaryDirectory() as name:
         paths = [Path(name) / f"day{k}.csv" for k in range(_DAYS)]
-        for path in [*paths, Path(name) / "measured.csv"]:
-            phase_deg = plan_deg(str(rng.choice(KINDS)), n, _TOP_DEG, rng)
+        for k, path in enumerate([*paths, Path(name) / "measured.csv"]):
+            kind = plans[k] if plans else str(rng.choice(KINDS))
+            phase_deg = plan_deg(kind, n, _TOP_DEG, rng)
             day = on_a_day(motor, wander, rng)
             speed, angle_rad = speed_rad_s(day, phase_deg, _WINDOW_S, Wrong(), rng)
             noise = noise_rad_s(n, deviation_rad_s, colour, rng)
@@ -131,11 +141,13 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--draws", type=int, default=12, help="of each wander")
     parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--braking", action="store_true", help="motors that brake faster")
     parser.add_argument("--small", action="store_true", help="two motors")
     arguments = parser.parse_args(argv)
     n = 2 if arguments.small else len(WANDERS) * arguments.draws
     with get_context("spawn").Pool(arguments.processes) as pool:
-        report(pool.starmap(draw, [(arguments.seed, k) for k in range(n)], chunksize=1))
+        drawn = partial(draw, braking=arguments.braking)
+        report(pool.starmap(drawn, [(arguments.seed, k) for k in range(n)], chunksize=1))
     return 0
 
 

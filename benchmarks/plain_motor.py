@@ -45,6 +45,8 @@ class PlainMotor:
         Time constant.
     curve
         How the speed saturates: one of `CURVES`.
+    brakes_in
+        Share of its time constant that it takes to slow down.
     """
 
     edges_deg: tuple[float | Array, float | Array]
@@ -52,6 +54,7 @@ class PlainMotor:
     top_rad_s: float | Array
     lag_s: float
     curve: str = "smooth"
+    brakes_in: float = 1.0
 
     def settled_rad_s(self, phase_deg: Array) -> Array:
         """Return the settled speed, shape (N,).
@@ -150,14 +153,27 @@ def speed_rad_s(
     step_s = window_s / FINE
     commanded_deg = _commanded(np.repeat(phase_deg, FINE), step_s, wrong)
     driven = _settled(motor, commanded_deg, step_s, wrong)
-    kept = np.exp(-step_s / (motor.lag_s + wrong.of("slow_dynamics")))
-    after = lfilter([1.0 - kept], [1.0, -kept], driven, zi=[kept * driven[0]])[0]
+    after = _followed(driven, (motor.lag_s + wrong.of("slow_dynamics")) / step_s, motor.brakes_in)
     fine = 0.5 * (after + np.r_[driven[0], after[:-1]])
     angle_rad = np.cumsum(fine) * step_s
     fine = fine * (1.0 + wrong.of("encoder_eccentricity") * np.cos(angle_rad + 1.0))
     windows = fine.reshape(-1, FINE)
     read = windows[:, -1] if sampled else windows.mean(axis=1)
     return _counted(read, wrong, rng), angle_rad[FINE - 1 :: FINE]
+
+
+def _followed(driven: Array, lag_steps: float, brakes_in: float) -> Array:
+    """Speed at the ends of steps of a rotor that follows."""
+    kept = np.exp(-1.0 / lag_steps)
+    if brakes_in == 1.0:
+        after: Array = lfilter([1.0 - kept], [1.0, -kept], driven, zi=[kept * driven[0]])[0]
+        return after
+    braking, speed, course = np.exp(-1.0 / (brakes_in * lag_steps)), float(driven[0]), []
+    for to in driven.tolist():
+        slows = abs(to) < abs(speed) or to * speed < 0.0
+        speed = to + (braking if slows else kept) * (speed - to)
+        course.append(speed)
+    return np.array(course)
 
 
 def _commanded(phase_deg: Array, step_s: float, wrong: Wrong) -> Array:

@@ -1,10 +1,12 @@
 """Healthy motors on other days: a few of them, and what the benchmark makes of them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from benchmarks.healthy_days import Healthy, draw, on_a_day, report
-from benchmarks.plain_motor import CURVES, PlainMotor
+from benchmarks.plain_motor import CURVES, PlainMotor, Wrong, speed_rad_s
 
 N = 1500
 MOTOR = PlainMotor((8.0, 12.0), 25.0, 10.0, 0.003, "steep")
@@ -16,6 +18,16 @@ def test_a_dead_zone_that_wanders_gets_no_name_however_the_motor_starts() -> Non
         found = draw(71, 2 * len(kinds) + kinds.index(curve), N)
         assert (found.wander, found.curve) == (0.01, curve)
         assert not passes_for_it & set(found.names)
+
+
+def test_a_motor_that_brakes_faster_does_so_and_runs_up_as_before() -> None:
+    phase_deg = np.repeat([0.0, 60.0, 0.0], 10)
+    plain, braking = (
+        speed_rad_s(motor, phase_deg, 0.01, Wrong(), np.random.default_rng(1))[0]
+        for motor in (MOTOR, replace(MOTOR, brakes_in=0.5))
+    )
+    np.testing.assert_allclose(braking[:20], plain[:20])
+    assert braking[20] == pytest.approx(plain[20] * 0.5, rel=0.05)
 
 
 def test_both_ends_of_a_dead_zone_move_by_the_same_share() -> None:
