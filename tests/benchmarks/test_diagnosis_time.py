@@ -11,7 +11,7 @@ from benchmarks import diagnosis_time
 from usmbench.model.effects.context import Context
 from usmbench.model.extended import extended_run
 
-MOST_FREE_RUNS = 12_000  # that a diagnosis takes as long as; 3500 to 6200 were measured
+MOST_FREE_RUNS = 12_000  # that a diagnosis takes as long as; by judgement
 
 
 def _free_run_s(*, limited: bool) -> float:

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 _ZOOM_ROUNDS, _JAGGED_ROUNDS = 2, 5
 _ZOOM_POINTS = 7
-_PROBED, _SIGMAS = 16, 5.0  # one shape of so many; of chance
+_PROBED, _SIGMAS = 16, 5.0  # one shape of so many is probed; deviations left to chance
 _PATH_DENSER = 4  # than the grid, for how long a way all shapes are
 _NEAR, _DENSER = 1.25, 10  # how far from the best value a jagged effect is tried so much denser
 

@@ -31,9 +31,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.diagnose.known.braking import braking_slower
 from usmbench.diagnose.known.shapes import (
     PHASE_NODES,
-    braking_slower,
     detuned_rad_s,
     felt,
     held_back,

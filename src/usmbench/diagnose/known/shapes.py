@@ -1,6 +1,5 @@
 """What the shapes of a known residual are made of: hats over nodes, and what a change would do."""
 
-import math
 from collections.abc import Sequence
 from functools import partial
 
@@ -9,7 +8,7 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.dead_zone import edge_of_standstill_deg, highest_rad_s
 from usmbench.diagnose.cutting.stretches import Stretch
-from usmbench.model.effects.first_order import Lag, lag_of, later
+from usmbench.model.effects.first_order import later
 from usmbench.model.effects.later_start import STANDING
 from usmbench.model.hammerstein import CREST_DEG, LinearPart
 from usmbench.model.linear import free_run, from_rest
@@ -21,7 +20,6 @@ _EVENLY = 2.0  # shares of four that lie evenly: between knots a curve waves whe
 TABLED = 2001  # phases at which curves are asked, to lay out the nodes
 _APART = 2e-5  # of the range: seven digits tell it
 _NUDGE = 1e-4  # of the slip at which the torque gives out, and of a window
-_TIME_CONSTANTS = 20.0  # after which a response is over
 _TRACE = 1e-4  # of what a change begins with
 _NEAR_DEG, _FAR_DEG = 0.25, 5.0  # over which a slope is taken
 
@@ -233,42 +231,3 @@ def later_rad_s_per_s(stretch: Stretch) -> Array:
         for k in (1.0, 2.0)
     )
     return (latest - late) / little_s
-
-
-def braking_slower(stretch: Stretch) -> Array:
-    """Return the change of speed for each share by which a motor takes longer to slow down, (N,).
-
-    Friction helps a motor to brake, and is in its way as it runs up. On a reversal only the part
-    to standstill is longer, what follows is later. Exact where the speed has settled before the
-    next step; a limit of the torque is left aside.
-
-    Parameters
-    ----------
-    stretch
-        The stretch. Of dynamics that are no first-order lag nothing is said.
-    """
-    context, after = stretch.context, stretch.settled_rad_s
-    lag, changed = lag_of(context.linear, context.window_s), np.zeros(context.n)
-    if lag is None:
-        return changed
-    before = np.append(after[:1], after[:-1])
-    turned = before * after < 0.0
-    braked = np.where(turned | (np.abs(after) < np.abs(before)), after - before, 0.0)
-    run_up = np.where(turned, after, 0.0)
-    ratio = np.abs(before) / np.where(turned, np.abs(after), 1.0)
-    stops_s = lag.tau_s * np.log1p(ratio * turned)
-    lasts_s = lag.delay_s + _TIME_CONSTANTS * lag.tau_s
-    for k in range(min(math.ceil(lasts_s / context.window_s) + 1, context.n)):
-        since_s, rows = k * context.window_s - lag.delay_s, slice(0, context.n - k)
-        changed[k:] += braked[rows] * _slower(lag, since_s, context.window_s)
-        changed[k:] -= run_up[rows] * _slower(lag, since_s - stops_s[rows], context.window_s)
-    return changed
-
-
-def _slower(lag: Lag, since_s: Array | float, window_s: float) -> Array:
-    """Return what a share more of τ does to a step's response, in a window that begins so late."""
-    begin, end = (np.maximum(s, 0.0) / lag.tau_s for s in (since_s, since_s + window_s))
-    if lag.sampled:
-        return np.asarray(-end * np.exp(-end))
-    grown = (1.0 + end) * np.exp(-end) - (1.0 + begin) * np.exp(-begin)
-    return np.asarray(lag.tau_s / window_s * grown)
