@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from usmbench.identify.between_levels import Levels
 from usmbench.identify.data import Dataset, Segment
 from usmbench.identify.dynamics import NONE, Dynamics
 from usmbench.identify.like_phases import median_at_like_phases
@@ -48,6 +49,8 @@ class CurveRows:
     mean_error_rad_s
         Standard error of such a mean; infinite where blocks are held out, which drive the same
         phases as the others and say themselves whether a curve meets these.
+    levels
+        Between which levels the curve is held; None where it is free.
     """
 
     phase_deg: tuple[Array, ...]
@@ -58,6 +61,7 @@ class CurveRows:
     standing_deg: tuple[float, float] | None = None
     scatter_rad_s: float = 0.0
     mean_error_rad_s: float = np.inf
+    levels: Levels | None = None
 
     def stand_for(self, rows: int) -> int:
         """Return for how many rows of a record a smoothness chosen here holds.

@@ -12,6 +12,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from usmbench.identify.between_levels import Levels
 from usmbench.identify.curve_rows import FOLDS, CurveRows
 from usmbench.identify.design import stacked_basis
 from usmbench.identify.knots import place_knots
@@ -47,12 +48,15 @@ class Choice:
         Root mean square error on the held-out samples.
     misfit_rad_s
         Root mean square error at the phases that it was fitted to, beyond what samples scatter.
+    held
+        Whether it stays between few levels, where it should.
     """
 
     knots_deg: Array
     stiffness: float
     held_out_rad_s: float
     misfit_rad_s: float
+    held: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +78,11 @@ _EVEN = _Gathering()
 
 
 def prior_rows(
-    knots_deg: Array, stiffness: float, standing_deg: tuple[float, float] | None, n: int
+    knots_deg: Array,
+    stiffness: float,
+    standing_deg: tuple[float, float] | None,
+    n: int,
+    levels: Levels | None = None,
 ) -> Array:
     """Return rows that say what is known about a curve without data; their outcome is 0.
 
@@ -89,6 +97,8 @@ def prior_rows(
         static friction that holds against two drives holds against any drive between them.
     n
         Number of samples the rows stand beside: what is known keeps its share.
+    levels
+        Between which levels the curve is held; None where it is free.
 
     Returns
     -------
@@ -97,6 +107,8 @@ def prior_rows(
     """
     degree = knots_deg.size - 1
     smooth: Array = stiffness * np.sqrt(n) * np.diff(np.eye(degree + 1), 2, axis=0)
+    if levels is not None:
+        smooth = np.vstack([smooth, np.sqrt(n) * levels.pull(knots_deg)])
     if standing_deg is None:
         return smooth
     low_deg, high_deg = np.clip(standing_deg, knots_deg[0], knots_deg[-1]).tolist()
@@ -152,7 +164,8 @@ def _best(rows: CurveRows, tried: Sequence[Choice]) -> Choice:
     it was fitted to first.
     """
     met = _MEANS * rows.mean_error_rad_s, _CLOSEST * min(choice.misfit_rad_s for choice in tried)
-    able = [choice for choice in tried if choice.misfit_rad_s <= max(met)]
+    meeting = [choice for choice in tried if choice.misfit_rad_s <= max(met)]
+    able = [choice for choice in meeting if choice.held] or meeting
     best = able[0]
     for choice in able:
         if better(choice, best):
@@ -200,7 +213,7 @@ def fitted_curve(rows: CurveRows, choice: Choice) -> StaticCurve:
     """
     factors, fixed = _fold_factors(rows, choice.knots_deg)
     n = sum(int(np.count_nonzero(f >= 0)) for f in rows.fold)
-    pull = prior_rows(choice.knots_deg, choice.stiffness, rows.standing_deg, n)
+    pull = prior_rows(choice.knots_deg, choice.stiffness, rows.standing_deg, n, rows.levels)
     (delta,) = _solved([triangle(fixed, *factors)], [pull])
     return StaticCurve(choice.knots_deg, delta[0])
 
@@ -211,14 +224,15 @@ def _judged(rows: CurveRows, knots_deg: Array, stiffnesses: Sequence[float]) -> 
     n = sum(int(np.count_nonzero(f >= 0)) for f in rows.fold)
     trained = [triangle(fixed, *factors[:k], *factors[k + 1 :]) for k in range(FOLDS)]
     every, n_used = triangle(fixed, *factors), sum(np.count_nonzero(f >= -1) for f in rows.fold)
-    pulls = [prior_rows(knots_deg, s, rows.standing_deg, n) for s in stiffnesses]
+    pulls = [prior_rows(knots_deg, s, rows.standing_deg, n, rows.levels) for s in stiffnesses]
     choices = []
     for stiffness, deltas in zip(stiffnesses, _solved([*trained, every], pulls), strict=True):
         unseen = sum(map(_square, factors, deltas[:-1]))
         own = _square(every, deltas[-1]) / max(n_used, 1)
         misfit_rad_s = float(np.sqrt(max(own - rows.scatter_rad_s**2, 0.0)))
         held_out_rad_s = float(np.sqrt(unseen / max(n, 1)))
-        choices.append(Choice(knots_deg, stiffness, held_out_rad_s, misfit_rad_s))
+        held = rows.levels is None or rows.levels.holds(StaticCurve(knots_deg, deltas[-1]))
+        choices.append(Choice(knots_deg, stiffness, held_out_rad_s, misfit_rad_s, held))
     return choices
 
 

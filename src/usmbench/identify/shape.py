@@ -1,12 +1,13 @@
 """What a fit settles before its numbers: family and start of the dynamics, knots, smoothness."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.identify.bends import bends_of_curve, bends_of_rows, joined
+from usmbench.identify.between_levels import Levels
 from usmbench.identify.curve_rows import LEVELS, CurveRows, block_rows, curve_rows
 from usmbench.identify.data import Dataset
 from usmbench.identify.design import build_design, check_rows
@@ -43,6 +44,7 @@ _FIRST_DEGREE = 12
 _FEW, _FEW_ROWS = 4, 500  # the first dynamics rest on every fourth row, in blocks
 _BENDS_DEGREE = 18  # of the choice that first says where the curve bends
 _ALWAYS = 13  # ordinates: stiffness holds those of a dead zone and two slopes between few phases
+_A_LEVEL = 4  # ordinates, where what is between them is held too
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,6 +122,7 @@ class Shape:
                 choice.stiffness,
                 rows.standing_deg,
                 rows.stand_for(data.rows(point)),
+                rows.levels,
             )
             for point, (choice, rows) in enumerate(zip(self.choices, self.rows, strict=True))
         ]
@@ -214,10 +217,30 @@ def _settled(
     if options.given_deg is not None:
         return judge_knots(rows, options.given_deg), rows
     degrees, span_deg = _degrees(data, point, options), data.spans_deg[point]
-    smooth = _smooth(rows, degrees, span_deg), rows
+    smooth = _between_levels(rows, _smooth(rows, degrees, span_deg), degrees, span_deg)
     if rows.dynamics is NONE:
         smooth = _gliding(block_rows(data, point, rough), smooth, degrees, span_deg) or smooth
     return jumping_choice(data, point, rough, smooth, degrees) or smooth
+
+
+def _between_levels(
+    rows: CurveRows,
+    free: Choice,
+    degrees: tuple[int, ...],
+    span_deg: tuple[float, float],
+) -> tuple[Choice, CurveRows]:
+    """Choose a curve again where few phases were driven and it does not stay between them."""
+    phase_deg = np.unique(np.concatenate(rows.phase_deg))
+    if phase_deg.size > LEVELS:
+        return free, rows
+    curve = fitted_curve(rows, free)
+    levels = Levels(phase_deg, curve.speed_rad_s(phase_deg))
+    if levels.holds(curve):
+        return free, rows
+    held = replace(rows, levels=levels)
+    if len(degrees) > 1:
+        degrees = tuple(d for d in DEGREES if d < max(_A_LEVEL * phase_deg.size, _ALWAYS))
+    return _smooth(held, degrees, span_deg), held
 
 
 def _gliding(

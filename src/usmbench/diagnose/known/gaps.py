@@ -13,6 +13,7 @@ Array = NDArray[np.float64]
 
 KINK = 0.25
 """A slope that turns by s within h leaves a straight line across by up to s h / 4."""
+_START = 0.5 / KINK  # of its slope: a gap's middle is then off by half of the step across it
 _SAME = 2e-5  # of the range, for a node to lie at a measured phase
 
 
@@ -126,9 +127,11 @@ def _beside(at_rad_s: Array, measured_deg: Array) -> Array:
     """By how much slopes turn from the gap before each to the gap after, shape (M − 1,).
 
     Where in a gap a dead zone ends, or a speed saturates, the model cannot know; between two phases
-    at which the rotor stands, it stands.
+    at which the rotor stands, it stands. Where it stands at one of them, it may stand almost to the
+    other: two standard deviations are the whole way from the one speed to the other.
     """
     slopes = np.diff(at_rad_s) / np.diff(measured_deg)
     stands = np.abs(at_rad_s) < STANDING * np.max(np.abs(at_rad_s), initial=0.0)
-    three = sliding_window_view(np.pad(slopes, 1, mode="edge"), 3)
-    return np.where(stands[1:] & stands[:-1], 0.0, np.ptp(three, axis=1))
+    turned = np.ptp(sliding_window_view(np.pad(slopes, 1, mode="edge"), 3), axis=1)
+    anywhere = np.maximum(turned, _START * np.abs(slopes))
+    return np.select([stands[1:] & stands[:-1], stands[1:] | stands[:-1]], [0.0, anywhere], turned)

@@ -16,12 +16,13 @@ def _off(nodes_deg: list[float], measured_deg: np.ndarray, speed_rad_s: np.ndarr
     return gaps.at_nodes_rad_s(np.array(nodes_deg))
 
 
-def test_a_curve_between_measured_phases_is_as_unsure_as_a_corner_there_would_make_it() -> None:
+def test_a_curve_between_measured_phases_is_as_unsure_as_a_start_there_would_make_it() -> None:
     corner = 0.2 * np.maximum(TABLE_DEG - 14.0, 0.0)
     measured_deg = np.r_[np.arange(-90.0, 0.0, 0.1), np.arange(0.0, 91.0, 10.0)]
     off = _off([-45.03, 3.0, 15.0, 44.0], measured_deg, corner)
-    # From 10 to 20 degrees the slope turns by 0.2: in the middle, a line across is off by 0.5.
-    assert off[2] == pytest.approx(0.5, rel=0.01)
+    # From 10 to 20 degrees it goes from standstill to 1.2: in the middle, a line across is off by
+    # half of that.
+    assert off[2] == pytest.approx(0.6, rel=0.01)
     assert (off[0], off[1], off[3]) == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
     assert _off([-45.0, 3.0], measured_deg[:1], corner) == pytest.approx([0.0, 0.0])
 
@@ -68,6 +69,17 @@ def test_where_a_dead_zone_ends_between_two_levels_the_model_cannot_know() -> No
     off = _off([-5.0, 15.0, 20.0, 45.0], LEVELS_DEG, speed_rad_s)
     assert off[1] == pytest.approx(0.25 * 0.3 * 10.0, rel=0.01)
     assert (off[0], off[2], off[3]) == pytest.approx((0.0, 0.0, 0.0), abs=0.05)
+
+
+@given(st.floats(20.1, 29.9), st.floats(0.05, 0.5))
+def test_a_rotor_may_start_anywhere_between_two_levels(start_deg: float, slope: float) -> None:
+    true = slope * np.maximum(TABLE_DEG - start_deg, 0.0) * 10.0 / (30.0 - start_deg)
+    true = np.minimum(true, slope * np.maximum(TABLE_DEG - 20.0, 0.0))
+    model = np.interp(TABLE_DEG, LEVELS_DEG, np.interp(LEVELS_DEG, TABLE_DEG, true))
+    nodes_deg = np.linspace(20.0, 30.0, 21)
+    error = np.abs(np.interp(nodes_deg, TABLE_DEG, true - model))
+    off = Gaps.of(LEVELS_DEG, TABLE_DEG, [model]).at_nodes_rad_s(nodes_deg)
+    assert np.all(error <= 2.0 * off + 1e-9)
 
 
 def test_levels_that_are_one_but_for_rounding_are_one() -> None:

@@ -1,0 +1,86 @@
+"""Curves between the few phases that were driven."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from benchmarks.plain_motor import PlainMotor, Wrong, motor_of, speed_rad_s
+from usmbench.identify.between_levels import Levels
+from usmbench.identify.fast import FastOptions, identify_fast
+from usmbench.model.hammerstein import StaticCurve
+from usmbench.runs.record import Record
+
+LEVELS_DEG = np.array([-80.0, -40.0, -20.0, 0.0, 20.0, 40.0, 80.0])
+KNOTS_DEG = np.linspace(-80.0, 80.0, 13)
+
+
+def _telegraphs(motor: PlainMotor, rng: np.random.Generator) -> list[Record]:
+    window_s, n = 0.01, 1400
+    runs = []
+    for name in ("one", "two"):
+        phase_deg = np.repeat(rng.choice(LEVELS_DEG, n // 7), 7)
+        speed, _ = speed_rad_s(motor, phase_deg, window_s, Wrong(), rng)
+        noisy = speed + 0.02 * rng.standard_normal(n)
+        t_s = window_s * np.arange(1.0, n + 1.0)
+        runs.append(Record(name, t_s, phase_deg, noisy, np.full(n, window_s)))
+    return runs
+
+
+def _off_rad_s(seed: int) -> float:
+    motor, rng = motor_of(np.random.default_rng(seed)), np.random.default_rng([seed, 5])
+    curve = identify_fast(_telegraphs(motor, rng), FastOptions()).model.points[0].curve
+    table_deg = np.linspace(-80.0, 80.0, 801)
+    off_rad_s = curve.speed_rad_s(table_deg) - motor.settled_rad_s(table_deg)
+    return float(np.sqrt(np.mean(off_rad_s**2)))
+
+
+def test_a_curve_that_is_faster_than_both_levels_beside_is_nearer_where_it_is_held(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    held = np.array([_off_rad_s(seed) for seed in range(6)])
+    monkeypatch.setattr(
+        "usmbench.identify.shape._between_levels", lambda rows, free, *_: (free, rows)
+    )
+    share = held / [_off_rad_s(seed) for seed in range(6)]
+    assert np.max(share) < 1.1
+    assert np.exp(np.mean(np.log(share))) < 0.6
+
+
+@given(
+    st.floats(-0.5, 0.5).filter(lambda slope: abs(slope) > 1e-3),
+    st.floats(-5.0, 5.0),
+    st.lists(st.integers(-79, 79), min_size=1, max_size=8, unique=True),
+)
+def test_a_straight_curve_is_not_pulled(slope: float, at_0: float, inner_deg: list[int]) -> None:
+    phase_deg = np.array([-80.0, *sorted(inner_deg), 80.0])
+    levels = Levels(phase_deg, slope * phase_deg + at_0)
+    straight = StaticCurve(KNOTS_DEG, slope * KNOTS_DEG + at_0)
+    assert levels.holds(straight)
+    assert levels.pull(KNOTS_DEG) @ straight.delta == pytest.approx(0.0, abs=1e-9)
+
+
+def _fitted(levels: Levels, speed_rad_s: NDArray[np.float64]) -> StaticCurve:
+    """A curve that meets the speeds at the levels, and is otherwise only pulled."""
+    pull = 1e-3 * levels.pull(KNOTS_DEG)
+    at = np.array([StaticCurve(KNOTS_DEG, one).speed_rad_s(levels.phase_deg) for one in np.eye(13)])
+    rows, wanted = np.vstack([at.T, pull]), np.r_[speed_rad_s, np.zeros(len(pull))]
+    return StaticCurve(KNOTS_DEG, np.linalg.lstsq(rows, wanted, rcond=None)[0])
+
+
+@given(st.floats(-0.02, 0.02), st.floats(0.9, 1.1))
+def test_where_the_levels_are_is_left_to_the_samples(offset: float, gain: float) -> None:
+    speed_rad_s = 10.0 * np.tanh(LEVELS_DEG / 40.0)
+    levels = Levels(LEVELS_DEG, speed_rad_s)
+    curve = _fitted(levels, gain * speed_rad_s + offset)
+    assert curve.speed_rad_s(LEVELS_DEG) == pytest.approx(gain * speed_rad_s + offset, abs=1e-3)
+    between_deg = np.linspace(-80.0, 80.0, 161)
+    plain = _fitted(levels, speed_rad_s).speed_rad_s(between_deg)
+    assert curve.speed_rad_s(between_deg) == pytest.approx(gain * plain + offset, abs=1e-3)
+
+
+def test_between_levels_at_which_the_motor_stands_it_is_pulled_to_stand() -> None:
+    speed_rad_s = np.array([-9.0, -5.0, 0.0, 0.0, 0.0, 5.0, 9.0])
+    curve = _fitted(Levels(LEVELS_DEG, speed_rad_s), speed_rad_s)
+    assert np.max(np.abs(curve.speed_rad_s(np.linspace(-20.0, 20.0, 81)))) < 0.1 * 9.0
