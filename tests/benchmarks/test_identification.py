@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.identification_coverage import coverage
+from benchmarks.identification_few_phases import PHASES_DEG, off_share
 from benchmarks.identification_free_run import compare as compare_free_run
 from benchmarks.identification_paper import PAPER_SSE, forty_points, from_random_starts
 from benchmarks.identification_real import held_out, splits
@@ -32,6 +33,11 @@ def test_the_default_method_runs_closer_than_the_papers() -> None:
     for run in ("staircase", "telegraph"):
         assert table["fast"][run] < table["paper (staircase pairs)"][run]
         assert table["fast"][run] < 1.2 * table["scipy least_squares"][run]
+
+
+def test_between_few_phases_a_curve_is_nearer_than_a_cubic_spline() -> None:
+    off = [off_share(seed, PHASES_DEG[0]) for seed in range(2)]
+    assert all(own < cubic for own, cubic, _ in off)
 
 
 def test_intervals_hold_the_truth() -> None:
