@@ -28,10 +28,9 @@ from usmbench.runs.stop_point import StopPoint, columns_of, stop_point
 from usmbench.runs.stop_request import forget_stop_request
 from usmbench.sweep.rows import PairRow, WindowRow
 
-# At most a second between forced writes, with a margin for one window.
 EXISTS = "exists already; name another folder (a sweep that stopped goes on by sweep --resume)"
 """What is said of a folder that is there before a run begins."""
-_SYNC_PERIOD_S = 0.9
+_SYNC_PERIOD_S = 0.9  # at most a second between forced writes, with a margin for one window
 
 
 class RunWriter:

@@ -1,16 +1,12 @@
 """Runs cut into unbroken stretches."""
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.cutting.check_runs import (
-    check_enough,
-    check_outside,
-    check_run,
-)
+from usmbench.diagnose.cutting.check_runs import check_enough, check_outside, check_run
 from usmbench.diagnose.cutting.heating import heating
 from usmbench.diagnose.cutting.stretches import Mask, Stretch, came_from, stepped
 from usmbench.diagnose.cutting.tabled_curve import NODES_DEG, TabledCurve
@@ -64,10 +60,6 @@ def cut_runs(
     InputError
         Runs that do not belong to the model, or too short to say anything.
     """
-    speeds = [point.curve.speed_rad_s(NODES_DEG) for point in model.points]
-    along = point_slopes(model.points)
-    slopes = None if along is None else [slope.rad_s(NODES_DEG) for slope in along]
-    stretches: list[Stretch] = []
     warnings = changed_since_closed(records)
     check_together(records)
     warnings += another_motor(records, model)
@@ -77,38 +69,66 @@ def cut_runs(
     sizes = [record.t_s.size for record in records]
     jumps = [breaks(record.t_s, record.usual_window_s) for record in records]
     pieces = _pieces(sizes, jumps, min(1.0, _MOST_WINDOWS / sum(sizes)))
-    for run, record in enumerate(records):
+    tabled = _Tabled.of(model)
+    stretches: list[Stretch] = []
+    for run, (record, cut) in enumerate(zip(records, pieces, strict=True)):
         warnings += angle_warnings(record)
-        angle_rad = middle_angle_rad(record)
         weights, outside = point_weights(
             model.points, record.t_s.size, record.frequency_hz, record.torque_nm
         )
         outside |= beyond_range(model.points, weights, record.phase_deg)
         check_outside(record, outside, warnings)
-        window_s = record.usual_window_s
-        warm, driven = heating(record, weights, speeds, pieces[run]), driving_of(record)
-        paused = stops(record.t_s, window_s, record.driven)
-        for rows, (warmed, unsure) in zip(pieces[run], warm, strict=True):
-            phase_deg, points = record.phase_deg[rows], tuple(w[rows] for w in weights)
-            context = Context(
-                record.t_s[rows],
-                window_s,
-                phase_deg,
-                TabledCurve(speeds, points, phase_deg),
-                model.linear,
-                angle_rad[rows],
-                None if slopes is None else TabledCurve(slopes, points, phase_deg),
-                None if record.count_rad is None else record.count_rad / window_s,
-                record.phase_step_deg,
-                driven,
-            )
-            measured_rad_s, use = record.speed_rad_s[rows], ~outside[rows]
+        warm = heating(record, weights, tabled.speeds_rad_s, cut)
+        paused = stops(record.t_s, record.usual_window_s, record.driven)
+        contexts = tabled.contexts(record, weights, cut)
+        for rows, context, (warmed, unsure) in zip(cut, contexts, warm, strict=True):
+            points = tuple(w[rows] for w in weights)
             at = (points, places_among(model.points, points), warmed)
+            measured_rad_s, use = record.speed_rad_s[rows], ~outside[rows]
             stretch = _stretch(run, record.name, context, measured_rad_s, effects, use, at)
             start = min(int(np.searchsorted(paused, rows[0], side="right")), _MOST_STARTS)
             stretches.append(replace(stretch, unsure_warmth=unsure, start=start))
     check_enough(records, sum(int(np.count_nonzero(s.use)) for s in stretches))
     return stretches, warnings
+
+
+@dataclass(frozen=True, slots=True)
+class _Tabled:
+    """A model's curves, tabled."""
+
+    model: HammersteinModel
+    speeds_rad_s: list[Array]
+    slopes_rad_s: list[Array] | None
+
+    @classmethod
+    def of(cls, model: HammersteinModel) -> "_Tabled":
+        """Return a model's tables."""
+        speeds_rad_s = [point.curve.speed_rad_s(NODES_DEG) for point in model.points]
+        along = point_slopes(model.points)
+        slopes_rad_s = None if along is None else [slope.rad_s(NODES_DEG) for slope in along]
+        return cls(model, speeds_rad_s, slopes_rad_s)
+
+    def contexts(
+        self, record: Record, weights: Sequence[Array], cut: Sequence[NDArray[np.int64]]
+    ) -> Iterator[Context]:
+        """Yield what effects may know of each stretch of a run."""
+        window_s, driven = record.usual_window_s, driving_of(record)
+        angle_rad, count_rad = middle_angle_rad(record), record.count_rad
+        for rows in cut:
+            phase_deg, points = record.phase_deg[rows], tuple(w[rows] for w in weights)
+            slopes = self.slopes_rad_s
+            yield Context(
+                record.t_s[rows],
+                window_s,
+                phase_deg,
+                TabledCurve(self.speeds_rad_s, points, phase_deg),
+                self.model.linear,
+                angle_rad[rows],
+                None if slopes is None else TabledCurve(slopes, points, phase_deg),
+                None if count_rad is None else count_rad / window_s,
+                record.phase_step_deg,
+                driven,
+            )
 
 
 def _pieces(
