@@ -29,17 +29,23 @@ PHASES_DEG = (
     np.linspace(-90.0, 90.0, 9),
     np.linspace(-84.0, 84.0, 15),
 )
-_WINDOW_S, _WINDOWS, _HELD, _SETTLING, _NOISE_RAD_S = 0.01, 1400, 7, 3, 0.02
+_WINDOW_S, _WINDOWS, _HELD, _SETTLING = 0.01, 1400, 7, 3
 
 
-def telegraphs(motor: PlainMotor, phases_deg: Array, rng: np.random.Generator) -> list[Record]:
-    """Return two runs of a motor that jumps among phases."""
+def telegraphs(
+    motor: PlainMotor,
+    phases_deg: Array,
+    rng: np.random.Generator,
+    names: Sequence[str] = ("one", "two"),
+    noise_rad_s: float = 0.02,
+) -> list[Record]:
+    """Return runs of a motor that jumps among phases."""
     t_s = _WINDOW_S * np.arange(1.0, _WINDOWS + 1.0)
     runs = []
-    for name in ("one", "two"):
+    for name in names:
         phase_deg = np.repeat(rng.choice(phases_deg, _WINDOWS // _HELD), _HELD)
         speed, _ = speed_rad_s(motor, phase_deg, _WINDOW_S, Wrong(), rng)
-        noisy = speed + _NOISE_RAD_S * rng.standard_normal(_WINDOWS)
+        noisy = speed + noise_rad_s * rng.standard_normal(_WINDOWS)
         runs.append(Record(name, t_s, phase_deg, noisy, np.full(_WINDOWS, _WINDOW_S)))
     return runs
 

@@ -9,6 +9,7 @@ from usmbench.diagnose.cutting.command_times import any_moment_s, at_unknown_mom
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.described import described
 from usmbench.diagnose.held import held
+from usmbench.diagnose.known.guessed_steps import following_guesses
 from usmbench.diagnose.naming.began_warm import WarmStart
 from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.naming.search import search
@@ -67,6 +68,7 @@ def searched(stretches: Sequence[Stretch], model: HammersteinModel) -> Found:
     late_s = max(known.wander.late_s, any_moment_s(stretches))
     known = replace(known, wander=replace(known.wander, late_s=late_s))
     marked, own = at_unknown_moments(stretches, late_s), own_effects(model)
+    marked = following_guesses(marked, known.features, known.mean)
     found = search(marked, known, own, effects)
     says = verdict_on(found, None)
     if says == "no_discrepancy":

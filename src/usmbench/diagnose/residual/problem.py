@@ -177,7 +177,7 @@ class Problem(WeighedResidual):
         scatter = chance_scatter_rad_s(changes, self.left_rad_s(effects), uses)
         other = copy(self)
         other.stretches = tuple(
-            replace(s, scatter_rad_s=by_chance)
+            replace(s, scatter_rad_s=np.hypot(s.scatter_rad_s, by_chance))
             for s, by_chance in zip(self.stretches, scatter, strict=True)
         )
         rows = zip(self.masks, uses, changes, strict=True)

@@ -1,0 +1,77 @@
+"""Steps of which a model only guesses how large they are."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks.identification_few_phases import PHASES_DEG, telegraphs
+from benchmarks.plain_motor import Wrong, motor_of, speed_rad_s
+from known_motor import CURVE, WINDOW_S, driven, identified
+from usmbench.diagnose.cutting.cut_runs import cut_runs
+from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.diagnose.known.features_of_runs import features_of
+from usmbench.diagnose.known.guessed_steps import following_guesses
+from usmbench.diagnose.pipeline import diagnose
+from usmbench.diagnose.reference import with_knowledge
+from usmbench.identify.fast import FastOptions, identify_fast
+from usmbench.runs.record import Record
+
+STAIRS_DEG = np.tile(np.repeat(np.r_[np.arange(-78.0, 79, 6), np.arange(78.0, -79, -6)], 8), 3)
+NOISE_RAD_S = 0.008
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_motor_that_brakes_faster_is_healthy_between_the_few_phases_it_is_known_at(
+    seed: int,
+) -> None:
+    rng, n = np.random.default_rng(seed), STAIRS_DEG.size
+    motor = replace(motor_of(rng), brakes_in=0.35)
+    runs = telegraphs(motor, PHASES_DEG[0], rng, ("one", "two", "three"), NOISE_RAD_S)
+    model = with_knowledge(identify_fast(runs, FastOptions()).model, runs)
+    speed, _ = speed_rad_s(motor, STAIRS_DEG, WINDOW_S, Wrong(), rng)
+    noisy, t_s = speed + NOISE_RAD_S * rng.standard_normal(n), WINDOW_S * np.arange(1.0, n + 1.0)
+    day = Record("day", t_s, STAIRS_DEG, noisy, np.full(n, WINDOW_S))
+    assert diagnose([day], model).verdict == "no_discrepancy"
+
+
+def _stretch(*phases_deg: float) -> Stretch:
+    phase_deg = np.r_[np.full(60, phases_deg[0]), np.repeat(phases_deg[1:], 10)]
+    (stretch,), _ = cut_runs([driven(phase_deg, 3)], identified(), ())
+    return stretch
+
+
+def _after_steps(known_at_deg: list[float], off: str, *phases_deg: float) -> np.ndarray:
+    """Scatter in the first window of each dwell, where a shape is known to be off by its prior."""
+    features = features_of([_stretch(*known_at_deg * 20)])
+    mean = np.where(np.array(features.groups) == off, features.prior, 0.0)
+    (marked,) = following_guesses([_stretch(*phases_deg)], features, mean)
+    scatter = np.broadcast_to(marked.scatter_rad_s, (marked.context.n,))
+    assert np.all(scatter[marked.lag > 6] == 0.0)
+    return np.asarray(scatter[60::10])
+
+
+EVERY_20_DEG = list(np.arange(-80.0, 81.0, 20.0))
+
+
+def test_a_step_between_phases_that_were_driven_is_none() -> None:
+    steps = _after_steps(EVERY_20_DEG, "braking", 80.0, 20.0, 60.0, -40.0, 40.0, 80.0, 20.0)
+    assert np.max(steps) < 1e-3
+
+
+def test_a_step_to_a_guessed_speed_scatters_where_steps_are_followed_otherwise() -> None:
+    to_guess = _after_steps(EVERY_20_DEG, "braking", 80.0, 30.0, 80.0, 40.0, 60.0, 60.1)
+    assert np.all(to_guess[:2] > 0.003 * np.ptp(CURVE.delta) / 20.0)
+    assert np.max(to_guess[2:]) < 0.1 * np.min(to_guess[:2])
+    assert np.max(_after_steps(EVERY_20_DEG, "heat", 80.0, 30.0, 80.0, 20.0, 80.0, 60.0)) == 0.0
+
+
+def test_a_glide_through_guessed_speeds_is_no_step() -> None:
+    glides = _after_steps(EVERY_20_DEG, "braking", 80.0, 30.0, 30.02, 30.04, 30.06, 30.08)
+    assert np.max(glides[1:]) < 0.05 * glides[0]
+
+
+def test_of_phases_driven_everywhere_nothing_is_a_guess() -> None:
+    stretch = _stretch(*np.random.default_rng(4).uniform(-88.0, 88.0, 2000))
+    features = replace(features_of([stretch]), between_rad_s=())
+    assert following_guesses([stretch], features, features.prior) == [stretch]
