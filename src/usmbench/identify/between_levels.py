@@ -15,6 +15,7 @@ from usmbench.model.inverse_map import bezier_abscissa
 
 Array = NDArray[np.float64]
 
+_SAME = 2e-5  # of the range, for two phases to be one
 _SHARES = np.arange(1, 13) / 13.0  # of a gap
 _WEIGHT = 0.02  # of all samples, for each gap: the samples have the say at the levels
 _BEYOND = 0.04  # of the highest speed; motors saturate, and smooth curves pass a corner by less
@@ -34,6 +35,22 @@ class Levels:
 
     phase_deg: Array
     speed_rad_s: Array
+
+    @classmethod
+    def of(cls, driven_deg: Array, curve: StaticCurve) -> "Levels":
+        """Return the levels of a curve that was fitted to samples.
+
+        Parameters
+        ----------
+        driven_deg
+            Phases of the samples, shape (N,).
+        curve
+            The curve.
+        """
+        phase_deg = np.unique(driven_deg)
+        # Between two that are one but for rounding a curve goes nowhere.
+        apart = np.diff(phase_deg, prepend=-np.inf) > _SAME * np.ptp(phase_deg)
+        return cls(phase_deg[apart], curve.speed_rad_s(phase_deg[apart]))
 
     def holds(self, curve: StaticCurve) -> bool:
         """Return whether a curve stays between the speeds at both ends of each gap.

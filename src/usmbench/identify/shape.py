@@ -230,16 +230,14 @@ def _between_levels(
     span_deg: tuple[float, float],
 ) -> tuple[Choice, CurveRows]:
     """Choose a curve again where few phases were driven and it does not stay between them."""
-    phase_deg = np.unique(np.concatenate(rows.phase_deg))
-    if phase_deg.size > LEVELS:
-        return free, rows
     curve = fitted_curve(rows, free)
-    levels = Levels(phase_deg, curve.speed_rad_s(phase_deg))
-    if levels.holds(curve):
+    levels = Levels.of(np.concatenate(rows.phase_deg), curve)
+    if levels.phase_deg.size > LEVELS or levels.holds(curve):
         return free, rows
     held = replace(rows, levels=levels)
     if len(degrees) > 1:
-        degrees = tuple(d for d in DEGREES if d < max(_A_LEVEL * phase_deg.size, _ALWAYS))
+        most = max(_A_LEVEL * levels.phase_deg.size, _ALWAYS)
+        degrees = tuple(d for d in DEGREES if d < most)
     return _smooth(held, degrees, span_deg), held
 
 

@@ -65,3 +65,14 @@ def test_between_levels_at_which_the_motor_stands_it_is_pulled_to_stand() -> Non
     speed_rad_s = np.array([-9.0, -5.0, 0.0, 0.0, 0.0, 5.0, 9.0])
     curve = _fitted(Levels(LEVELS_DEG, speed_rad_s), speed_rad_s)
     assert np.max(np.abs(curve.speed_rad_s(np.linspace(-20.0, 20.0, 81)))) < 0.1 * 9.0
+
+
+def test_phases_that_are_one_but_for_rounding_are_one_level() -> None:
+    curve = StaticCurve(KNOTS_DEG, 10.0 * np.tanh(KNOTS_DEG / 40.0))
+    again_deg = np.degrees(np.radians(LEVELS_DEG + 1e-12))
+    assert np.unique(np.r_[LEVELS_DEG, again_deg]).size > LEVELS_DEG.size
+    levels = Levels.of(np.r_[LEVELS_DEG, again_deg, LEVELS_DEG], curve)
+    assert levels.phase_deg == pytest.approx(LEVELS_DEG)
+    assert levels.pull(KNOTS_DEG) == pytest.approx(
+        Levels.of(LEVELS_DEG, curve).pull(KNOTS_DEG), abs=1e-9
+    )
