@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
+from usmbench.identify.like_phases import distinct_deg
 from usmbench.model.bernstein import bernstein_basis
 from usmbench.model.hammerstein import StaticCurve
 from usmbench.model.inverse_map import bezier_abscissa
 
 Array = NDArray[np.float64]
 
-_SAME = 2e-5  # of the range, for two phases to be one
 _SHARES = np.arange(1, 13) / 13.0  # of a gap
 _WEIGHT = 0.02  # of all samples, for each gap: the samples have the say at the levels
 _BEYOND = 0.04  # of the highest speed; motors saturate, and smooth curves pass a corner by less
@@ -47,10 +47,8 @@ class Levels:
         curve
             The curve.
         """
-        phase_deg = np.unique(driven_deg)
-        # Between two that are one but for rounding a curve goes nowhere.
-        apart = np.diff(phase_deg, prepend=-np.inf) > _SAME * np.ptp(phase_deg)
-        return cls(phase_deg[apart], curve.speed_rad_s(phase_deg[apart]))
+        phase_deg = distinct_deg(driven_deg)
+        return cls(phase_deg, curve.speed_rad_s(phase_deg))
 
     def holds(self, curve: StaticCurve) -> bool:
         """Return whether a curve stays between the speeds at both ends of each gap.

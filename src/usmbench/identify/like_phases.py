@@ -1,4 +1,4 @@
-"""Rows held to those at about the same phase, at whatever time these were."""
+"""Rows at about the same phase, at whatever time these were, and phases that are one."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,6 +6,8 @@ from scipy.ndimage import median_filter
 
 Array = NDArray[np.float64]
 
+SAME_PHASE = 2e-5
+"""Of the range, for two phases to be one but for rounding."""
 _NEAREST = 41  # rows; nothing measured sets it
 
 
@@ -23,3 +25,16 @@ def median_at_like_phases(values: Array, phase_deg: Array) -> Array:
     around = np.empty_like(values)
     around[order] = median_filter(values[order], _NEAREST)
     return around
+
+
+def distinct_deg(phase_deg: Array) -> Array:
+    """Return phases without those that are others but for rounding, rising, shape (M,).
+
+    Parameters
+    ----------
+    phase_deg
+        Phases in any order, shape (N,).
+    """
+    rising_deg = np.unique(phase_deg)
+    apart = np.diff(rising_deg, prepend=-np.inf) > SAME_PHASE * np.ptp(rising_deg)
+    return np.asarray(rising_deg[apart])

@@ -68,7 +68,7 @@ class Projected:
         How much each segment's rows count.
     penalties
         Rows that pull each operating point's δ towards 0, shape (m, d + 1); see
-        `usmbench.identify.selection.prior_rows`.
+        `usmbench.identify.prior_rows.prior_rows`.
     responses
         The dynamics' response to each segment's basis, where it is known from another weighting.
     """

@@ -1,19 +1,17 @@
 """What a fit settles before its numbers: family and start of the dynamics, knots, smoothness."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.identify.bends import bends_of_curve, bends_of_rows, joined
-from usmbench.identify.between_levels import Levels
-from usmbench.identify.curve_rows import LEVELS, CurveRows, block_rows, curve_rows
+from usmbench.identify.curve_choice import chosen_curve, degrees_for
+from usmbench.identify.curve_rows import CurveRows, curve_rows
 from usmbench.identify.data import Dataset
 from usmbench.identify.design import build_design, check_rows
-from usmbench.identify.dynamics import NONE
-from usmbench.identify.jumping_curve import jumping_choice
 from usmbench.identify.knots import place_knots
+from usmbench.identify.prior_rows import prior_rows
 from usmbench.identify.projected import Projected
 from usmbench.identify.robust_fit import (
     bisquare_weights,
@@ -21,15 +19,7 @@ from usmbench.identify.robust_fit import (
     residual_scales,
     robust_fit,
 )
-from usmbench.identify.selection import (
-    DEGREES,
-    Choice,
-    better,
-    choose_curve,
-    fitted_curve,
-    judge_knots,
-    prior_rows,
-)
+from usmbench.identify.selection import Choice, judge_knots
 from usmbench.identify.starting_dynamics import (
     first_dynamics,
     fit_from_afar,
@@ -42,9 +32,6 @@ Array = NDArray[np.float64]
 
 _FIRST_DEGREE = 12
 _FEW, _FEW_ROWS = 4, 500  # the first dynamics rest on every fourth row, in blocks
-_BENDS_DEGREE = 18  # of the choice that first says where the curve bends
-_ALWAYS = 13  # ordinates: stiffness holds those of a dead zone and two slopes between few phases
-_A_LEVEL = 4  # ordinates, where what is between them is held too
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,8 +190,7 @@ def _degrees(data: Dataset, point: int, options: FastOptions) -> tuple[int, ...]
     elif options.degree is not None:
         degrees = (options.degree,)
     else:
-        phases = np.unique(data.phase_deg(point)).size
-        degrees = tuple(d for d in DEGREES if d < max(phases, _ALWAYS))
+        degrees = degrees_for(np.unique(data.phase_deg(point)).size)
     check_rows(data, min(degrees), options.na, options.n_inputs, point=point)
     return degrees
 
@@ -213,58 +199,7 @@ def _settled(
     data: Dataset, point: int, rough: Projected, options: FastOptions
 ) -> tuple[Choice, CurveRows]:
     """Choose a point's curve, and say on which samples."""
-    rows = curve_rows(data, point, rough)
     if options.given_deg is not None:
+        rows = curve_rows(data, point, rough)
         return judge_knots(rows, options.given_deg), rows
-    degrees, span_deg = _degrees(data, point, options), data.spans_deg[point]
-    smooth = _between_levels(rows, _smooth(rows, degrees, span_deg), degrees, span_deg)
-    if rows.dynamics is NONE:
-        smooth = _gliding(block_rows(data, point, rough), smooth, degrees, span_deg) or smooth
-    return jumping_choice(data, point, rough, smooth, degrees) or smooth
-
-
-def _between_levels(
-    rows: CurveRows,
-    free: Choice,
-    degrees: tuple[int, ...],
-    span_deg: tuple[float, float],
-) -> tuple[Choice, CurveRows]:
-    """Choose a curve again where few phases were driven and it does not stay between them."""
-    curve = fitted_curve(rows, free)
-    levels = Levels.of(np.concatenate(rows.phase_deg), curve)
-    if levels.phase_deg.size > LEVELS or levels.holds(curve):
-        return free, rows
-    held = replace(rows, levels=levels)
-    if len(degrees) > 1:
-        most = max(_A_LEVEL * levels.phase_deg.size, _ALWAYS)
-        degrees = tuple(d for d in DEGREES if d < most)
-    return _smooth(held, degrees, span_deg), held
-
-
-def _gliding(
-    rows: CurveRows,
-    held: tuple[Choice, CurveRows],
-    degrees: tuple[int, ...],
-    span_deg: tuple[float, float],
-) -> tuple[Choice, CurveRows] | None:
-    """Choose a curve on blocks of the record where it also glides between the dwells.
-
-    A few levels do not tell where a curve bends between them. None where it glides nowhere, or the
-    curve that the dwells chose is as good there.
-    """
-    if np.unique(np.concatenate(rows.phase_deg)).size <= LEVELS:
-        return None
-    gliding, choice = _smooth(rows, degrees, span_deg), held[0]
-    as_it_is = judge_knots(rows, choice.knots_deg, (choice.stiffness,))
-    return (gliding, rows) if better(gliding, as_it_is) else None
-
-
-def _smooth(rows: CurveRows, degrees: tuple[int, ...], span_deg: tuple[float, float]) -> Choice:
-    """Choose a curve twice: the first choice may say better where it bends."""
-    middling = min(degrees, key=lambda degree: abs(degree - _BENDS_DEGREE))
-    bends_deg = bends_of_rows(rows, span_deg)
-    first = choose_curve(rows, (middling,), bends_deg, span_deg)
-    better_deg = joined(bends_deg, bends_of_curve(fitted_curve(rows, first)), span_deg)
-    if len(degrees) == 1 and better_deg == bends_deg:
-        return first
-    return choose_curve(rows, degrees, better_deg, span_deg)
+    return chosen_curve(data, point, rough, _degrees(data, point, options))

@@ -11,9 +11,9 @@ from usmbench.identify.design import build_design
 from usmbench.identify.dynamics import Dynamics, Family, FreeFamily
 from usmbench.identify.lag_family import LONGER_DEAD_TIME, LagFamily
 from usmbench.identify.output_error import fit_output_error
+from usmbench.identify.prior_rows import prior_rows
 from usmbench.identify.projected import Projected
 from usmbench.identify.robust_fit import counted_alike, residual_scales
-from usmbench.identify.selection import prior_rows
 from usmbench.identify.separable import separable_start
 
 Array = NDArray[np.float64]

@@ -22,7 +22,7 @@ def test_a_curve_that_is_faster_than_both_levels_beside_is_nearer_where_it_is_he
 
     held = off_shares()
     monkeypatch.setattr(
-        "usmbench.identify.shape._between_levels", lambda rows, free, *_: (free, rows)
+        "usmbench.identify.curve_choice._between_levels", lambda rows, free, *_: (free, rows)
     )
     share = held / off_shares()
     assert np.max(share) < 1.3

@@ -56,7 +56,7 @@ def test_what_glides_between_the_dwells_brings_the_curve_nearer(
         return float(np.sqrt(np.mean((found - true_rad_s) ** 2)))
 
     glided = np.array([off_rad_s(seed) for seed in range(5)])
-    monkeypatch.setattr("usmbench.identify.shape._gliding", lambda *_: None)
+    monkeypatch.setattr("usmbench.identify.curve_choice._gliding", lambda *_: None)
     share = glided / [off_rad_s(seed) for seed in range(5)]
     assert np.max(share) < 1.05
     assert np.exp(np.mean(np.log(share))) < 0.8

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from usmbench.identify.knots import dead_zone_deg, knees_deg, place_knots
-from usmbench.identify.selection import prior_rows
+from usmbench.identify.prior_rows import prior_rows
 from usmbench.model.bernstein import bernstein_basis
 from usmbench.model.hammerstein import StaticCurve
 from usmbench.model.inverse_map import bezier_abscissa

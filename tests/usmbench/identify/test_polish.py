@@ -15,9 +15,9 @@ from usmbench.identify.gather import from_windows
 from usmbench.identify.lag_family import LagFamily
 from usmbench.identify.output_error import fit_output_error
 from usmbench.identify.polish import polished
+from usmbench.identify.prior_rows import prior_rows
 from usmbench.identify.projected import Projected
 from usmbench.identify.robust_fit import RobustFit, bisquare_weights, counted_alike, robust_fit
-from usmbench.identify.selection import prior_rows
 from usmbench.identify.sensitivities import output_sensitivities
 from usmbench.identify.thinning import searched_part
 from usmbench.identify.uncertainty import Estimate, covariance

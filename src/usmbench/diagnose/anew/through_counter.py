@@ -15,14 +15,14 @@ from scipy.optimize import least_squares
 from usmbench.diagnose.cutting.stretches import Mask, Stretch
 from usmbench.identify.design import stacked_basis
 from usmbench.identify.dynamics import FreeFamily
-from usmbench.identify.selection import prior_rows
+from usmbench.identify.prior_rows import prior_rows
 from usmbench.model.extended import Applied, counted
 from usmbench.model.hammerstein import LinearPart, StaticCurve
 from usmbench.model.linear import free_run
 
 Array = NDArray[np.float64]
 
-_STIFFNESS = 1e-3  # of the curve; see `usmbench.identify.selection.prior_rows`
+_STIFFNESS = 1e-3  # of the curve; see `usmbench.identify.prior_rows.prior_rows`
 _START = 1e-2  # pull of a start to where it was, for where no row that counts remembers it
 _MOST_STEPS = 60
 _FAR = 1e3  # times the highest speed: the residual where the dynamics are not stable

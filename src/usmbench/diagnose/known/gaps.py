@@ -7,6 +7,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from usmbench.identify.like_phases import SAME_PHASE, distinct_deg
 from usmbench.model.effects.later_start import STANDING
 
 Array = NDArray[np.float64]
@@ -14,7 +15,6 @@ Array = NDArray[np.float64]
 KINK = 0.25
 """A slope that turns by s within h leaves a straight line across by up to s h / 4."""
 _START = 0.5 / KINK  # of its slope: a gap's middle is then off by half of the step across it
-_SAME = 2e-5  # of the range, for a node to lie at a measured phase
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,8 +51,7 @@ class Gaps:
             Settled speeds of the model there at each operating point, shape (N,) each.
         """
         # Two that are one but for rounding would make slopes of nothing.
-        apart = np.diff(measured_deg, prepend=-np.inf) > _SAME * np.ptp(phase_deg)
-        measured_deg = measured_deg[apart]
+        measured_deg = distinct_deg(measured_deg)
         if measured_deg.size < 2:
             return cls(phase_deg[[0, -1]], np.zeros(1))
         turn = np.zeros(measured_deg.size - 1)
@@ -99,7 +98,7 @@ class Gaps:
     @property
     def _same_deg(self) -> float:
         """How near a node lies at a measured phase."""
-        return _SAME * float(np.ptp(self.measured_deg))
+        return SAME_PHASE * float(np.ptp(self.measured_deg))
 
     def _holding(self, at_deg: Array) -> tuple[NDArray[np.intp], Array]:
         """Gap that phases lie in, and how far they are from its nearer end."""

@@ -40,16 +40,15 @@ def following_guesses(
     list of Stretch
         The same runs.
     """
-    if not features.between_rad_s or not np.any(features.between_rad_s):
+    if not (np.any(features.between_rad_s) and np.any(features.unmeasured_rad_s)):
         return list(stretches)
     after = np.array([g == "braking" or g.startswith("lag ") for g in features.groups])
     otherwise = [features.combined(s, np.where(after, mean, 0.0)) for s in stretches]
     shares = _shares(stretches, otherwise, _LARGE * features.top_rad_s)
+    scatter = [shares[s.lag] * _guessed_rad_s(s, features) for s in stretches]
     return [
-        replace(
-            s, scatter_rad_s=np.hypot(s.scatter_rad_s, shares[s.lag] * _guessed_rad_s(s, features))
-        )
-        for s in stretches
+        replace(s, scatter_rad_s=np.hypot(s.scatter_rad_s, more_rad_s))
+        for s, more_rad_s in zip(stretches, scatter, strict=True)
     ]
 
 

@@ -71,7 +71,13 @@ def test_a_glide_through_guessed_speeds_is_no_step() -> None:
     assert np.max(glides[1:]) < 0.05 * glides[0]
 
 
-def test_of_phases_driven_everywhere_nothing_is_a_guess() -> None:
-    stretch = _stretch(*np.random.default_rng(4).uniform(-88.0, 88.0, 2000))
-    features = replace(features_of([stretch]), between_rad_s=())
-    assert following_guesses([stretch], features, features.prior) == [stretch]
+def test_of_phases_driven_at_every_degree_next_to_nothing_is_a_guess() -> None:
+    every_deg = list(np.arange(-88.0, 89.0))
+    assert np.max(_after_steps(every_deg, "braking", 80.0, 30.0, -40.0, 5.0, 60.0)) < 1e-3
+
+
+def test_a_model_file_that_says_nothing_of_guesses_has_none() -> None:
+    stretch = _stretch(*EVERY_20_DEG)
+    said = features_of([stretch])
+    for features in (replace(said, unmeasured_rad_s=()), replace(said, between_rad_s=())):
+        assert following_guesses([stretch], features, features.prior) == [stretch]

@@ -208,3 +208,16 @@ def test_what_the_curve_is_known_to_be_off_by_belongs_to_the_phases_that_are_set
     assert np.max(np.abs(plainly)) > 0.05
     (again,) = problem.showing([offset]).showing([]).residual_rad_s
     assert again == pytest.approx(problem.residual_rad_s[0])
+
+
+def test_what_chance_does_comes_on_top_of_what_scatters_anyhow(
+    stretches: list[Stretch], known: Knowledge, noise: Noise
+) -> None:
+    lost = Applied(
+        find_effect("missed_counts", "of the excess"), {"lost_of_excess": 0.6, "above_rad_s": 3.5}
+    )
+    scattering = [replace(s, scatter_rad_s=0.1) for s in stretches]
+    problem = Problem(scattering, known, noise, [s.use for s in stretches])
+    for s in problem.scattering([lost], [lost]).stretches:
+        assert np.min(s.scatter_rad_s) == pytest.approx(0.1)
+        assert np.max(s.scatter_rad_s) > 0.1
