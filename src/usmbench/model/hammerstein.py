@@ -50,8 +50,9 @@ class StaticCurve:
         ----------
         phase_deg
             Phases, shape (N,). Beyond the knots, where the paper's curve is not defined, it goes on
-            as steeply as it ends, ever less so, and beyond ±90° back the way it came: the wave
-            travels as the sine of the phase. How far that is admissible is the caller's to know,
+            as steeply as it ends, ever less so, and beyond ±90°, if it ends thereabouts or before,
+            back the way it came: the wave travels as the sine of the phase. How far that is
+            admissible is the caller's to know,
             see `usmbench.model.mixed_curve.beyond_range`.
         """
         phase_deg = self._turned_back_deg(phase_deg)
@@ -63,10 +64,16 @@ class StaticCurve:
         return speed_rad_s
 
     def _turned_back_deg(self, phase_deg: Array) -> Array:
-        """Phases, those beyond both the knots and ±90° as far on this side of it."""
-        outside = (phase_deg < self.knots_deg[0]) | (phase_deg > self.knots_deg[-1])
-        beyond_deg = np.sign(phase_deg) * np.maximum(np.abs(phase_deg) - CREST_DEG, 0.0)
-        return np.where(outside, phase_deg - 2.0 * beyond_deg, phase_deg)
+        """Phases, those beyond a crest as far on this side of it.
+
+        A curve that was measured well beyond ±90° goes on as it ends.
+        """
+        low_deg, high_deg = float(self.knots_deg[0]), float(self.knots_deg[-1])
+        end_deg = _END * (high_deg - low_deg)
+        high_crest_deg = max(CREST_DEG, high_deg) if high_deg - end_deg < CREST_DEG else np.inf
+        low_crest_deg = min(-CREST_DEG, low_deg) if low_deg + end_deg > -CREST_DEG else -np.inf
+        back_deg = np.where(phase_deg > high_crest_deg, 2.0 * high_crest_deg - phase_deg, phase_deg)
+        return np.where(phase_deg < low_crest_deg, 2.0 * low_crest_deg - phase_deg, back_deg)
 
     def _within(self, phase_deg: Array) -> Array:
         return bezier_value(bezier_abscissa(phase_deg, self.knots_deg), self.delta)

@@ -58,3 +58,19 @@ def test_a_curve_that_was_measured_beyond_a_quarter_turn_is_taken_at_its_word() 
     knots_deg = np.linspace(-180.0, 180.0, 9)
     curve = StaticCurve(knots_deg, 0.1 * knots_deg)
     assert curve.speed_rad_s(np.array([170.0])) == pytest.approx(17.0)
+
+
+@pytest.mark.parametrize("end_deg", [60.0, 88.0, 90.0, 90.5, 97.0, 120.0, 180.0])
+@given(st.lists(st.floats(-20.0, 20.0), min_size=2, max_size=9), st.sampled_from([-1.0, 1.0]))
+def test_a_curve_does_not_jump_where_it_ends(
+    end_deg: float, delta: list[float], side: float
+) -> None:
+    curve = StaticCurve(np.linspace(-end_deg, end_deg, len(delta)), np.array(delta))
+    last, next_ = curve.speed_rad_s(side * (end_deg + np.array([0.0, 1e-9])))
+    assert next_ == pytest.approx(last, abs=1e-7)
+
+
+def test_a_curve_that_ends_just_beyond_the_crest_comes_back_too() -> None:
+    knots_deg = np.linspace(-90.5, 90.5, 9)
+    curve = StaticCurve(knots_deg, 0.1 * knots_deg)
+    assert curve.speed_rad_s(np.array([99.5])) == pytest.approx(8.15)
