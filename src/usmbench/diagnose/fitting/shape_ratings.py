@@ -8,6 +8,9 @@ Rate = Callable[[float, float], float]  # what a drop and the square of its chan
 Rated = tuple[dict[str, float], float]  # values, and what they are worth
 
 _PEAKS = 3  # half a grid's step goes along with every other one of its own
+# Of a staircase's levels each grid has others that move them by the same, but for its size: these
+# are tried, too, where they come near the best and that is no chance. Nothing measured sets them.
+_ALIASES, _AS_NEAR, _NO_CHANCE = 10, 0.5, 50.0
 _TAIL = 1.0  # roughness that is worth the tail at one point, or more, from a statistic of 6 on
 
 
@@ -25,17 +28,20 @@ def as_is(drop: float, square: float) -> float:
 
 
 def matched(drop: float, square: float) -> float:
-    """Rate values by what a free size of their change would take away.
+    """Rate values by what their change would take away, or a smaller one along it.
 
     Between the right value and its neighbours on a grid a jagged change does more harm than good.
+    A larger one would be that of a coarser grid.
 
     Parameters
     ----------
     drop, square
         As in `as_is`.
     """
+    if square <= 0.0:
+        return 0.0
     along = max(0.5 * (drop + square), 0.0)
-    return along**2 / square if square > 0.0 else 0.0
+    return along**2 / square if along < square else drop
 
 
 def charged(turned: float, reached: float) -> float:
@@ -65,10 +71,12 @@ def peaks(tried: Sequence[Rated]) -> list[Rated]:
         Values along a scan.
     """
     left = np.array([worth for _, worth in tried])
-    found = []
-    for _ in range(min(_PEAKS, left.size)):
+    near = max(_AS_NEAR * float(np.max(left, initial=0.0)), _NO_CHANCE)
+    found: list[Rated] = []
+    for _ in range(min(_ALIASES, left.size)):
         k = int(np.argmax(left))
-        if left[k] > 0.0:
-            found.append(tried[k])
+        if left[k] <= (0.0 if len(found) < _PEAKS else near):
+            break
+        found.append(tried[k])
         left[max(k - 1, 0) : k + 2] = 0.0
     return found

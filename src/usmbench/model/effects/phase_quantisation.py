@@ -5,10 +5,13 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from usmbench.model.effects.base import DEFINITION, Array, Effect, Values
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.parameter import Parameter
+
+Mask = NDArray[np.bool_]
 
 _MEANING = "The generator sets the phase on a coarse grid instead of where it is commanded."
 _MEND = "Read the generator's phase register back, and check how many of its bits are written."
@@ -18,6 +21,9 @@ _LONG = 20_000  # windows, where finer steps would take a third more time
 # That a step is worth at least: whole counts look like steps of one. Nothing measured sets it.
 _COUNTS = 1.5
 _MANY = 50  # phases: twice the levels of a fine staircase
+# Phases of a staircase, and what neighbours differ by over what those far apart do: 0 of a smooth
+# shape, 1 of chance. Nothing measured sets them.
+_LEVELS, _UNEVEN = 20, 0.8
 _MEANT = 1e-3  # of a usual step: nearer than that nobody builds another
 _SAME_STEP = 1e-9  # a commanded multiple must not fall below itself by rounding
 # Registers with n values, and round numbers of degrees.
@@ -43,10 +49,23 @@ def _many_phases(contexts: Sequence[Context]) -> bool:
     return max(np.unique(c.phase_deg).size for c in contexts) >= _MANY
 
 
-def _apart_deg(contexts: Sequence[Context]) -> float:
-    """How far apart neighbouring phases usually lie."""
+def _told_apart(step_deg: Array, contexts: Sequence[Context]) -> Mask:
+    """Which steps no smooth shape stands in for, where phases are few.
+
+    These are steps coarser than the phases lie apart, and, of a staircase's levels, those that move
+    each otherwise than its neighbours.
+    """
     phase_deg = np.unique(np.concatenate([c.phase_deg for c in contexts]))
-    return float(np.median(np.diff(phase_deg))) if phase_deg.size > 1 else np.inf
+    if phase_deg.size < 2:
+        return np.zeros(step_deg.size, dtype=np.bool_)
+    coarse: Mask = step_deg >= np.median(np.diff(phase_deg))
+    if phase_deg.size < _LEVELS:
+        return coarse
+    steps = phase_deg / step_deg[:, None]
+    moved = steps - np.rint(steps)
+    beside = np.mean(np.diff(moved) ** 2, axis=1)
+    uneven: Mask = beside > 2.0 * _UNEVEN * np.var(moved, axis=1)
+    return coarse | uneven
 
 
 def _told_from_counts_deg(context: Context) -> float:
@@ -94,16 +113,15 @@ class RoundedPhase(Effect):
 
         Between two neighbours no phase then moves by more than half a step, nor by a quarter of a
         coarse one, which leaves few levels to tell it by. Where phases are few, a step finer than
-        they lie apart could bend them into any smooth shape: there only usual ones are tried, and
-        below a third of a degree everywhere. They are, too, below 0.7 in long runs, and where a
-        step is worth no more than a count: whole counts make such ripples themselves.
+        they lie apart may bend them into a smooth shape: only usual ones do so there, and below a
+        third of a degree no others are tried anywhere. Nor are they below 0.7 in long runs, and
+        where a step is worth no more than a count: whole counts make such ripples themselves.
 
         Parameters
         ----------
         contexts
             All stretches.
         """
-        apart_deg = 0.0 if _many_phases(contexts) else _apart_deg(contexts)
         farthest_deg = max(float(np.max(np.abs(c.phase_deg))) for c in contexts)
         long = sum(c.n for c in contexts) > _LONG
         least_deg = np.inf if long else max(map(_told_from_counts_deg, contexts))
@@ -111,7 +129,9 @@ class RoundedPhase(Effect):
         fine = np.arange(1.0, farthest_deg / finest_deg, 0.5)
         coarse = np.arange(1.0, farthest_deg / _COARSE_DEG, 0.25)
         free = farthest_deg / np.r_[fine, coarse]
-        tried = np.unique([*_USUAL_DEG, *free[free >= apart_deg]])
+        if not _many_phases(contexts):
+            free = free[_told_apart(free, contexts)]
+        tried = np.unique([*_USUAL_DEG, *free])
         return {"step_deg": tried[tried <= _COARSEST_DEG]}
 
     def built_in(self, contexts: Sequence[Context]) -> dict[str, float] | None:

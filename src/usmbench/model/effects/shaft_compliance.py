@@ -41,8 +41,8 @@ _SHAPE = (
 class ShaftCompliance(Effect):
     """The disc follows the rotor as ω_n²/(s² + 2ζω_n s + ω_n²): it rings after every step.
 
-    The rotor's speed is held through each window, and the disc's is averaged over it, as the
-    counter does.
+    Its bearing damps it. The rotor's speed is held through each window, and the disc's is averaged
+    over it, as the counter does.
     """
 
     name = "shaft_compliance"
@@ -61,8 +61,11 @@ class ShaftCompliance(Effect):
         """
         if values["period_s"] < _SHORTEST * context.window_s:
             return signal
-        ringing = _ringing(values["period_s"], values["damping"], context.window_s)
+        ringing = self._follows(values["period_s"], values["damping"], context.window_s)
         return np.asarray(signal[0] + lfilter(*ringing, signal - signal[0]))
+
+    def _follows(self, period_s: float, damping: float, window_s: float) -> Filter:
+        return _ringing(period_s, damping, window_s)
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
         """Return periods from the shortest that windows show to thirty of them.
@@ -79,12 +82,28 @@ class ShaftCompliance(Effect):
         }
 
 
+class DampedCoupling(ShaftCompliance):
+    """The disc follows the rotor as (2ζω_n s + ω_n²)/(s² + 2ζω_n s + ω_n²).
+
+    What damps it is the coupling, which pulls by the difference of the speeds: a disc that it
+    damps well starts sooner than one that drags in its bearing.
+    """
+
+    form = "damped in the coupling"
+    meaning = "The coupling twists, and damps what it lets ring."
+
+    def _follows(self, period_s: float, damping: float, window_s: float) -> Filter:
+        return _ringing(period_s, damping, window_s, by_coupling=True)
+
+
 @lru_cache(_KEPT)
-def _ringing(period_s: float, damping: float, window_s: float) -> Filter:
+def _ringing(
+    period_s: float, damping: float, window_s: float, *, by_coupling: bool = False
+) -> Filter:
     """Filter of the second-order lag, window by window."""
     natural_rad_s = 2.0 * math.pi / period_s
     swing = np.array([1.0, 2.0 * damping * natural_rad_s, natural_rad_s**2])
-    return _averaged(swing[2:], swing, window_s)
+    return _averaged(swing[1 if by_coupling else 2 :], swing, window_s)
 
 
 @lru_cache(_KEPT)
@@ -165,4 +184,4 @@ def _at_rest(signal: Array, context: Context) -> Array:
     return rest
 
 
-FORMS = (ShaftCompliance(), SwingingLoad())
+FORMS = (ShaftCompliance(), DampedCoupling(), SwingingLoad())

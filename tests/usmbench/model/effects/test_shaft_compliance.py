@@ -2,19 +2,21 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from known_motor import WINDOW_S, identified, measured
+from usmbench.diagnose.pipeline import diagnose
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.effects.registry import find_effect
 from usmbench.model.linear import time_constant_s
 
 Array = NDArray[np.float64]
-WINDOW_S = 0.01
 ROTOR_RAD_S = np.repeat([5.0, -8.0, 9.0, 3.0, 10.0], 6)
 CONTEXT = Context(
     WINDOW_S * np.arange(1.0, ROTOR_RAD_S.size + 1.0),
@@ -52,6 +54,38 @@ def test_the_disc_rings_behind_the_rotor(period_s: float, damping: float) -> Non
     effect = find_effect("shaft_compliance", "")
     disc = effect.apply(ROTOR_RAD_S, CONTEXT, {"period_s": period_s, "damping": damping})
     assert disc == pytest.approx(averages(rates, [ROTOR_RAD_S[0], 0.0, 0.0]), abs=1e-7)
+
+
+@SHAPES
+def test_a_coupling_that_damps_pulls_by_the_difference_of_the_speeds(
+    period_s: float, damping: float
+) -> None:
+    natural = 2.0 * math.pi / period_s
+
+    def rates(x: Array, speed: float) -> list[float]:
+        """Twist of the coupling, and speed of the disc."""
+        faster = speed - x[1]
+        return [faster, natural**2 * x[0] + 2.0 * damping * natural * faster, x[1]]
+
+    effect = find_effect("shaft_compliance", "damped in the coupling")
+    disc = effect.apply(ROTOR_RAD_S, CONTEXT, {"period_s": period_s, "damping": damping})
+    assert disc == pytest.approx(averages(rates, [0.0, ROTOR_RAD_S[0], 0.0]), abs=1e-7)
+
+
+def test_a_disc_that_its_coupling_damps_is_named_alone() -> None:
+    healthy, period_s, damping, steps = measured(7), 0.085, 0.22, 50
+    natural, step_s = 2.0 * math.pi / period_s, WINDOW_S / steps
+    disc, twist, seen = float(healthy.speed_rad_s[0]), 0.0, np.empty(healthy.t_s.size)
+    for k, rotor in enumerate(healthy.speed_rad_s.tolist()):
+        turned_rad = 0.0
+        for _ in range(steps):
+            twist += step_s * (rotor - disc)
+            disc += step_s * (natural**2 * twist + 2.0 * damping * natural * (rotor - disc))
+            turned_rad += step_s * disc
+        seen[k] = turned_rad / WINDOW_S
+    (cause,) = diagnose([replace(healthy, speed_rad_s=seen)], identified()).causes
+    assert (cause.name, cause.form) == ("shaft_compliance", "damped in the coupling")
+    assert [p.value for p in cause.parameters] == pytest.approx([period_s, damping], rel=0.05)
 
 
 @SHAPES
