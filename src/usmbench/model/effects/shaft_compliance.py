@@ -6,15 +6,14 @@ from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
-from scipy.linalg import companion, expm
-from scipy.signal import lfilter, ss2tf
+from scipy.signal import lfilter
 
 from usmbench.model.effects.base import Array, Effect, Values
 from usmbench.model.effects.context import Context
+from usmbench.model.effects.first_order import lag_of
 from usmbench.model.effects.parameter import Parameter
 from usmbench.model.linear import time_constant_s
-
-Filter = tuple[Array, Array]
+from usmbench.model.window_filter import Filter, behind_lag
 
 _KEPT = 1024  # filters: one serves all stretches of a run, and many runs with the same values
 _REST = 0.01  # of the highest speed
@@ -41,9 +40,11 @@ _SHAPE = (
 class ShaftCompliance(Effect):
     """The disc follows the rotor as ω_n²/(s² + 2ζω_n s + ω_n²): it rings after every step.
 
-    Its bearing damps it. The rotor's speed is held through each window, and the disc's is averaged
-    over it, as the counter does.
+    Its bearing damps it. The disc's speed is averaged over each window, as the counter does; the
+    rotor's follows with the model's lag in between, or, where that is of a higher order, is held.
     """
+
+    _by_coupling: ClassVar[bool] = False  # damped
 
     name = "shaft_compliance"
     meaning = "The shaft or its coupling twists: the disc rings after the rotor changes speed."
@@ -61,11 +62,9 @@ class ShaftCompliance(Effect):
         """
         if values["period_s"] < _SHORTEST * context.window_s:
             return signal
-        ringing = self._follows(values["period_s"], values["damping"], context.window_s)
+        shape = (values["period_s"], values["damping"], context.window_s)
+        ringing = _ringing(*_lag_s(context), *shape, by_coupling=self._by_coupling)
         return np.asarray(signal[0] + lfilter(*ringing, signal - signal[0]))
-
-    def _follows(self, period_s: float, damping: float, window_s: float) -> Filter:
-        return _ringing(period_s, damping, window_s)
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
         """Return periods from the shortest that windows show to thirty of them.
@@ -89,50 +88,56 @@ class DampedCoupling(ShaftCompliance):
     damps well starts sooner than one that drags in its bearing.
     """
 
+    _by_coupling = True
+
     form = "damped in the coupling"
     meaning = "The coupling twists, and damps what it lets ring."
 
-    def _follows(self, period_s: float, damping: float, window_s: float) -> Filter:
-        return _ringing(period_s, damping, window_s, by_coupling=True)
+
+def _lag_s(context: Context) -> tuple[float, float]:
+    """Time constant and delay with which the rotor follows; a time constant of 0 for none known."""
+    known = lag_of(context.linear, context.window_s)
+    if known is None:
+        return time_constant_s(context.linear) or 0.0, 0.0
+    return known.tau_s, known.delay_s
 
 
 @lru_cache(_KEPT)
 def _ringing(
-    period_s: float, damping: float, window_s: float, *, by_coupling: bool = False
+    tau_s: float,
+    delay_s: float,
+    period_s: float,
+    damping: float,
+    window_s: float,
+    *,
+    by_coupling: bool,
 ) -> Filter:
-    """Filter of the second-order lag, window by window."""
-    natural_rad_s = 2.0 * math.pi / period_s
-    swing = np.array([1.0, 2.0 * damping * natural_rad_s, natural_rad_s**2])
-    return _averaged(swing[1 if by_coupling else 2 :], swing, window_s)
+    """Filter from the rotor's speed to the disc's, window by window."""
+    swing = _swing(period_s, damping)
+    return behind_lag(swing[1 if by_coupling else 2 :], swing, tau_s, delay_s, window_s)
 
 
 @lru_cache(_KEPT)
 def _swinging(
-    load_share: float, tau_s: float, period_s: float, damping: float, window_s: float
+    load_share: float,
+    tau_s: float,
+    delay_s: float,
+    period_s: float,
+    damping: float,
+    window_s: float,
 ) -> Filter:
     """Filter from the rotor's speed to what a swinging load takes from it."""
-    natural_rad_s = 2.0 * math.pi / period_s
-    swing = np.array([1.0, 2.0 * damping * natural_rad_s, natural_rad_s**2])
+    swing = _swing(period_s, damping)
     pull = load_share * tau_s * np.array([swing[1], swing[2], 0.0])
     both = np.convolve(swing, [tau_s, 1.0])
     both[1:] += pull
-    return _averaged(pull, both, window_s)
+    return behind_lag(pull, both, tau_s, delay_s, window_s)
 
 
-def _averaged(numerator: Array, denominator: Array, window_s: float) -> Filter:
-    """Filter from an input held through each window to the output's mean over it, exactly.
-
-    The exponential of x′ = A x + B u, u′ = 0, z′ = C x carries state and integral over a window.
-    """
-    n = denominator.size - 1
-    rates = np.zeros((n + 2, n + 2))
-    rates[:n, :n] = companion(denominator)
-    rates[0, n] = 1.0 / denominator[0]
-    rates[n + 1, n - numerator.size : n] = numerator
-    over = expm(window_s * rates)
-    turned = over[n + 1] / window_s
-    b, a = ss2tf(over[:n, :n], over[:n, n : n + 1], turned[None, :n], turned[None, n : n + 1])
-    return np.ravel(b), a
+def _swing(period_s: float, damping: float) -> Array:
+    """Characteristic polynomial s² + 2ζω_n s + ω_n²."""
+    natural_rad_s = 2.0 * math.pi / period_s
+    return np.array([1.0, 2.0 * damping * natural_rad_s, natural_rad_s**2])
 
 
 class SwingingLoad(ShaftCompliance):
@@ -166,12 +171,14 @@ class SwingingLoad(ShaftCompliance):
         signal, context, values
             As in `Effect.apply`.
         """
-        tau_s = time_constant_s(context.linear)
+        tau_s, delay_s = _lag_s(context)
         seen = values["period_s"] >= _SHORTEST * context.window_s
         if not seen or values["load_share"] <= 0.0 or not tau_s:
             return signal
         shape = (values["period_s"], values["damping"], context.window_s)
-        taken = lfilter(*_swinging(values["load_share"], tau_s, *shape), signal - signal[0])
+        taken = lfilter(
+            *_swinging(values["load_share"], tau_s, delay_s, *shape), signal - signal[0]
+        )
         moved: Array = np.where(_at_rest(signal, context), 0.0, taken)
         return signal - moved
 

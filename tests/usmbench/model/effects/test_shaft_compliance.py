@@ -1,4 +1,7 @@
-"""A soft shaft moves as its differential equation says, averaged over windows."""
+"""A soft shaft moves as its differential equation says, averaged over windows.
+
+The rotor follows held speeds with a lag; the effect sees its means over windows alone.
+"""
 
 import math
 from collections.abc import Callable
@@ -9,51 +12,57 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from known_motor import WINDOW_S, identified, measured
+from known_motor import CURVE, NOISE_RAD_S, WINDOW_S, identified, measured
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.effects.registry import find_effect
-from usmbench.model.linear import time_constant_s
+from usmbench.model.hammerstein import LinearPart
 
 Array = NDArray[np.float64]
-ROTOR_RAD_S = np.repeat([5.0, -8.0, 9.0, 3.0, 10.0], 6)
+HELD_RAD_S = np.repeat([5.0, -8.0, 9.0, 3.0, 10.0], 6)
+TAU_S, DEAD_TIME_S = 0.0035, 0.0015
 CONTEXT = Context(
-    WINDOW_S * np.arange(1.0, ROTOR_RAD_S.size + 1.0),
+    WINDOW_S * np.arange(1.0, HELD_RAD_S.size + 1.0),
     WINDOW_S,
-    9.0 * ROTOR_RAD_S,
+    9.0 * HELD_RAD_S,
     lambda phase_deg: phase_deg / 9.0,
-    first_order(0.0035, 0.0, WINDOW_S),
+    first_order(TAU_S, 0.0, WINDOW_S),
 )
-TAU_S = time_constant_s(CONTEXT.linear) or math.nan
 SHAPES = pytest.mark.parametrize(("period_s", "damping"), [(0.021, 0.02), (0.05, 0.1), (0.2, 0.7)])
 
 
-def averages(rates: Callable[[Array, float], list[float]], start: list[float]) -> Array:
-    """Solve x′ = rates(x, rotor's speed), the last of x an integral; return its window means."""
-    state, means = np.array(start), []
-    for speed in ROTOR_RAD_S:
+def averages(
+    rates: Callable[[Array, float], list[float]], start: list[float]
+) -> tuple[Array, Array]:
+    """Solve x′ = rates(x, rotor); return the window means of the rotor's speed and of x's last."""
+    state, means = np.array([*start, HELD_RAD_S[0], 0.0, 0.0]), []
+    for speed in HELD_RAD_S.tolist():
 
-        def held(_: float, x: Array, speed: float = float(speed)) -> Array:
-            return np.array(rates(x, speed))
+        def moved(_: float, y: Array, speed: float = speed) -> Array:
+            *x, rotor, _, _ = y
+            return np.array([*rates(np.array(x), rotor), (speed - rotor) / TAU_S, rotor, x[-1]])
 
-        start_at = np.append(state[:-1], 0.0)
-        solved = solve_ivp(held, (0.0, WINDOW_S), start_at, "DOP853", rtol=1e-10, atol=1e-10)
+        state[-2:] = 0.0
+        solved = solve_ivp(moved, (0.0, WINDOW_S), state, "DOP853", rtol=1e-10, atol=1e-10)
         state = solved.y[:, -1]
-        means.append(state[-1] / WINDOW_S)
-    return np.array(means)
+        means.append(state[-2:] / WINDOW_S)
+    rotor_rad_s, last = np.transpose(means)
+    return rotor_rad_s, last
 
 
 @SHAPES
 def test_the_disc_rings_behind_the_rotor(period_s: float, damping: float) -> None:
     natural = 2.0 * math.pi / period_s
 
-    def rates(x: Array, speed: float) -> list[float]:
-        return [x[1], natural**2 * (speed - x[0]) - 2.0 * damping * natural * x[1], x[0]]
+    def rates(x: Array, rotor: float) -> list[float]:
+        """Acceleration of the disc, and its speed."""
+        return [natural**2 * (rotor - x[1]) - 2.0 * damping * natural * x[0], x[0]]
 
+    rotor_rad_s, disc_rad_s = averages(rates, [0.0, HELD_RAD_S[0]])
     effect = find_effect("shaft_compliance", "")
-    disc = effect.apply(ROTOR_RAD_S, CONTEXT, {"period_s": period_s, "damping": damping})
-    assert disc == pytest.approx(averages(rates, [ROTOR_RAD_S[0], 0.0, 0.0]), abs=1e-7)
+    disc = effect.apply(rotor_rad_s, CONTEXT, {"period_s": period_s, "damping": damping})
+    assert disc == pytest.approx(disc_rad_s, abs=1e-6)
 
 
 @SHAPES
@@ -62,46 +71,60 @@ def test_a_coupling_that_damps_pulls_by_the_difference_of_the_speeds(
 ) -> None:
     natural = 2.0 * math.pi / period_s
 
-    def rates(x: Array, speed: float) -> list[float]:
+    def rates(x: Array, rotor: float) -> list[float]:
         """Twist of the coupling, and speed of the disc."""
-        faster = speed - x[1]
-        return [faster, natural**2 * x[0] + 2.0 * damping * natural * faster, x[1]]
+        faster = rotor - x[1]
+        return [faster, natural**2 * x[0] + 2.0 * damping * natural * faster]
 
+    rotor_rad_s, disc_rad_s = averages(rates, [0.0, HELD_RAD_S[0]])
     effect = find_effect("shaft_compliance", "damped in the coupling")
-    disc = effect.apply(ROTOR_RAD_S, CONTEXT, {"period_s": period_s, "damping": damping})
-    assert disc == pytest.approx(averages(rates, [0.0, ROTOR_RAD_S[0], 0.0]), abs=1e-7)
+    disc = effect.apply(rotor_rad_s, CONTEXT, {"period_s": period_s, "damping": damping})
+    assert disc == pytest.approx(disc_rad_s, abs=1e-6)
 
 
-def test_a_disc_that_its_coupling_damps_is_named_alone() -> None:
-    healthy, period_s, damping, steps = measured(7), 0.085, 0.22, 50
-    natural, step_s = 2.0 * math.pi / period_s, WINDOW_S / steps
-    disc, twist, seen = float(healthy.speed_rad_s[0]), 0.0, np.empty(healthy.t_s.size)
-    for k, rotor in enumerate(healthy.speed_rad_s.tolist()):
-        turned_rad = 0.0
-        for _ in range(steps):
-            twist += step_s * (rotor - disc)
-            disc += step_s * (natural**2 * twist + 2.0 * damping * natural * (rotor - disc))
-            turned_rad += step_s * disc
-        seen[k] = turned_rad / WINDOW_S
+@pytest.mark.parametrize(("period_s", "damping"), [(0.033, 0.07), (0.085, 0.22)])
+def test_a_disc_that_its_coupling_damps_is_named_alone(period_s: float, damping: float) -> None:
+    healthy, natural, steps = measured(7), 2.0 * math.pi / period_s, 50
+    step_s, late = WINDOW_S / steps, round(DEAD_TIME_S * steps / WINDOW_S)
+    held_rad_s = np.repeat(CURVE.speed_rad_s(healthy.phase_deg), steps)
+    held_rad_s = np.r_[np.full(late, held_rad_s[0]), held_rad_s[:-late]]
+    rotor = disc = float(held_rad_s[0])
+    twist, disc_rad_s = 0.0, np.empty(held_rad_s.size)
+    for k, speed in enumerate(held_rad_s.tolist()):
+        rotor = speed + (rotor - speed) * math.exp(-step_s / TAU_S)
+        twist += step_s * (rotor - disc)
+        disc += step_s * (natural**2 * twist + 2.0 * damping * natural * (rotor - disc))
+        disc_rad_s[k] = disc
+    noise_rad_s = NOISE_RAD_S * np.random.default_rng(5).standard_normal(healthy.t_s.size)
+    seen = disc_rad_s.reshape(-1, steps).mean(axis=1) + noise_rad_s
     (cause,) = diagnose([replace(healthy, speed_rad_s=seen)], identified()).causes
     assert (cause.name, cause.form) == ("shaft_compliance", "damped in the coupling")
-    assert [p.value for p in cause.parameters] == pytest.approx([period_s, damping], rel=0.05)
+    assert [p.value for p in cause.parameters] == pytest.approx([period_s, damping], rel=0.1)
 
 
 @SHAPES
 def test_a_load_swings_against_the_rotor(period_s: float, damping: float) -> None:
     natural, share = 2.0 * math.pi / period_s, 0.3
 
-    def rates(x: Array, speed: float) -> list[float]:
+    def rates(x: Array, rotor: float) -> list[float]:
         """Twist of the coupling, speed of the load, and what the rotor loses to it."""
-        twist, load, lost, _ = x
-        faster = speed - ROTOR_RAD_S[0] - lost - load
+        twist, load, lost = x
+        faster = rotor - HELD_RAD_S[0] - lost - load
         pull = natural**2 * twist + 2.0 * damping * natural * faster
-        return [faster, pull, share * pull - lost / TAU_S, lost]
+        return [faster, pull, share * pull - lost / TAU_S]
 
     effect = find_effect("shaft_compliance", "swinging load")
     shape = {"load_share": share, "period_s": period_s, "damping": damping}
-    rotor = effect.apply(ROTOR_RAD_S, CONTEXT, shape)
-    lost = averages(rates, [0.0, 0.0, 0.0, 0.0])
-    assert np.max(np.abs(lost)) > 0.3
-    assert rotor == pytest.approx(ROTOR_RAD_S - lost, abs=1e-7)
+    unloaded_rad_s, lost_rad_s = averages(rates, [0.0, 0.0, 0.0])
+    assert np.max(np.abs(lost_rad_s)) > 0.3
+    rotor = effect.apply(unloaded_rad_s, CONTEXT, shape)
+    assert rotor == pytest.approx(unloaded_rad_s - lost_rad_s, abs=1e-6)
+
+
+def test_a_rotor_that_follows_in_two_lags_is_held_through_each_window() -> None:
+    two = replace(CONTEXT, linear=LinearPart(np.array([-1.2, 0.4]), np.array([0.2]), 0, WINDOW_S))
+    step = np.repeat([0.0, 1.0], 30)
+    disc = find_effect("shaft_compliance", "").apply(step, two, {"period_s": 0.5, "damping": 0.3})
+    # (1 − cos ω t) of a disc that no damping slows yet, averaged over the first window.
+    turned = 2.0 * math.pi * WINDOW_S / 0.5
+    assert disc[30] == pytest.approx(1.0 - math.sin(turned) / turned, rel=0.1)

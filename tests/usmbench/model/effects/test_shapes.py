@@ -22,7 +22,6 @@ from usmbench.model.effects.first_order import (
 from usmbench.model.effects.shaft_compliance import ShaftCompliance, SwingingLoad
 from usmbench.model.extended import Applied, extended_run
 from usmbench.model.hammerstein import LinearPart
-from usmbench.model.linear import time_constant_s
 
 Array = NDArray[np.float64]
 WINDOW_S = 0.01
@@ -105,30 +104,6 @@ def test_what_rings_faster_than_two_windows_is_not_told_from_a_ripple() -> None:
             values = {"load_share": 0.3, "period_s": period_s, "damping": 0.05}
             assert bool(np.any(effect.apply(step, context, values) != step)) == rings
         assert effect.grid([context])["period_s"].min() == 0.02
-
-
-def test_a_load_swings_as_its_equations_of_motion_say() -> None:
-    speed = np.repeat([0.0, 5.0, 7.0, -3.0], 10)
-    share, period_s, damping = 0.4, 0.06, 0.1
-    tau_s, natural = time_constant_s(LINEAR), 2.0 * math.pi / period_s
-    assert tau_s is not None
-
-    def moved(_: float, state: Array, unloaded: float) -> Array:
-        twist, load, change, _angle = state
-        slip = unloaded + change - load
-        pull = natural**2 * twist + 2.0 * damping * natural * slip
-        return np.array([slip, pull, -change / tau_s - share * pull, unloaded + change])
-
-    state, mean = np.zeros(4), np.zeros(speed.size)
-    for k, unloaded in enumerate(speed):
-        state[3] = 0.0
-        found = solve_ivp(moved, (0.0, WINDOW_S), state, args=(unloaded,), rtol=1e-9, atol=1e-9)
-        state = found.y[:, -1]
-        mean[k] = state[3] / WINDOW_S
-    values = {"load_share": share, "period_s": period_s, "damping": damping}
-    loaded = SwingingLoad().apply(speed, replace(_context(40), phase_deg=speed), values)
-    assert np.max(np.abs(mean - speed)) > 1.0
-    assert np.allclose(loaded, mean, atol=0.03)
 
 
 def test_a_load_does_not_swing_a_rotor_that_friction_holds() -> None:

@@ -1,0 +1,76 @@
+"""What hangs on a rotor, from window means of the rotor's speed to window means of its own."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import companion, expm
+from scipy.signal import ss2tf
+
+Array = NDArray[np.float64]
+Filter = tuple[Array, Array]
+"""Numerator and denominator, as `scipy.signal.lfilter` takes them."""
+
+_TOLD = 0.95  # largest zero of the rotor's filter with which its means tell what drove it
+
+
+def behind_lag(
+    numerator: Array, denominator: Array, tau_s: float, delay_s: float, window_s: float
+) -> Filter:
+    """Return the filter of what hangs on a rotor that follows held speeds with a lag.
+
+    The rotor's means tell what it was driven by, and that the output's means. Where they do not,
+    since the delay takes most of a window, the commands are taken to act at its start.
+
+    Parameters
+    ----------
+    numerator, denominator
+        Transfer function from the rotor's speed to the output, by falling powers of s, shape (m,)
+        and (n + 1,), m ≤ n.
+    tau_s
+        Time constant of the lag; 0 where the rotor is held through each window itself.
+    delay_s
+        Delay of the commands.
+    window_s
+        Duration of a window.
+    """
+    if tau_s <= 0.0:
+        return held(numerator, denominator, window_s)
+    late_s = delay_s - window_s * math.floor(delay_s / window_s)
+    lag = np.array([tau_s, 1.0])
+    rotor_b, rotor_a = held(lag[1:], lag, window_s, late_s)
+    if np.max(np.abs(np.roots(rotor_b)), initial=0.0) > _TOLD:
+        late_s = 0.0
+        rotor_b, rotor_a = held(lag[1:], lag, window_s)
+    b, a = held(numerator, np.convolve(denominator, lag), window_s, late_s)
+    return np.convolve(b, rotor_a), np.convolve(a, rotor_b)
+
+
+def held(numerator: Array, denominator: Array, window_s: float, late_s: float = 0.0) -> Filter:
+    """Return the filter from an input that is held for windows to the output's means over them.
+
+    The exponential of x′ = A x + B u, u′ = 0, z′ = C x carries state and integral over a part of a
+    window, exactly.
+
+    Parameters
+    ----------
+    numerator, denominator
+        As in `behind_lag`.
+    window_s
+        Duration of a window.
+    late_s
+        How long after a window's start the input changes, less than a window.
+    """
+    n = denominator.size - 1
+    rates = np.zeros((n + 2, n + 2))
+    rates[:n, :n] = companion(denominator)
+    rates[0, n] = 1.0 / denominator[0]
+    rates[n + 1, n - numerator.size : n] = numerator
+    before, after = expm(late_s * rates), expm((window_s - late_s) * rates)
+    moves, turns = after[:n, :n], after[n + 1, :n]
+    a_matrix = moves @ before[:n, :n]
+    turned = (before[n + 1, :n] + turns @ before[:n, :n])[None] / window_s
+    now = ss2tf(a_matrix, after[:n, n : n + 1], turned, after[n + 1, n, None, None] / window_s)
+    still = np.array([[before[n + 1, n] + turns @ before[:n, n]]]) / window_s
+    last = ss2tf(a_matrix, (moves @ before[:n, n])[:, None], turned, still)
+    return np.append(now[0], 0.0) + np.append(0.0, last[0]), now[1]
