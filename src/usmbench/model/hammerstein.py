@@ -52,8 +52,7 @@ class StaticCurve:
             Phases, shape (N,). Beyond the knots, where the paper's curve is not defined, it goes on
             as steeply as it ends, ever less so, and beyond ±90°, if it ends thereabouts or before,
             back the way it came: the wave travels as the sine of the phase. How far that is
-            admissible is the caller's to know,
-            see `usmbench.model.mixed_curve.beyond_range`.
+            admissible is the caller's to know, see `usmbench.model.mixed_curve.beyond_range`.
         """
         phase_deg = self._turned_back_deg(phase_deg)
         held_deg = np.clip(phase_deg, self.knots_deg[0], self.knots_deg[-1])

@@ -112,10 +112,10 @@ class RoundedPhase(Effect):
         """Return usual steps, and all others that the phases tell apart.
 
         Between two neighbours no phase then moves by more than half a step, nor by a quarter of a
-        coarse one, which leaves few levels to tell it by. Where phases are few, a step finer than
-        they lie apart may bend them into a smooth shape: only usual ones do so there, and below a
-        third of a degree no others are tried anywhere. Nor are they below 0.7 in long runs, and
-        where a step is worth no more than a count: whole counts make such ripples themselves.
+        coarse one, which leaves few levels to tell it by. Where phases are few, some steps finer
+        than they lie apart bend them into a smooth shape: of these only usual ones are tried. So it
+        is below a third of a degree everywhere, below 0.7 in long runs, and where a step is worth
+        no more than a count: whole counts make such ripples themselves.
 
         Parameters
         ----------
