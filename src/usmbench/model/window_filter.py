@@ -1,4 +1,4 @@
-"""What hangs on a rotor, from window means of the rotor's speed to window means of its own."""
+"""What hangs on a rotor, from what windows show of the rotor to what they show of it."""
 
 import math
 
@@ -15,12 +15,18 @@ _TOLD = 0.95  # largest zero of the rotor's filter with which its means tell wha
 
 
 def behind_lag(
-    numerator: Array, denominator: Array, tau_s: float, delay_s: float, window_s: float
+    numerator: Array,
+    denominator: Array,
+    tau_s: float,
+    delay_s: float,
+    window_s: float,
+    *,
+    sampled: bool = False,
 ) -> Filter:
     """Return the filter of what hangs on a rotor that follows held speeds with a lag.
 
-    The rotor's means tell what it was driven by, and that the output's means. Where they do not,
-    since the delay takes most of a window, the commands are taken to act at its start.
+    The rotor's windows tell what it was driven by, and that the output's windows. Where they do
+    not, since the delay takes most of a window, the commands are taken to act at its start.
 
     Parameters
     ----------
@@ -33,21 +39,30 @@ def behind_lag(
         Delay of the commands.
     window_s
         Duration of a window.
+    sampled
+        Whether windows show speeds at their ends, not averages.
     """
     if tau_s <= 0.0:
         return held(numerator, denominator, window_s)
     late_s = delay_s - window_s * math.floor(delay_s / window_s)
     lag = np.array([tau_s, 1.0])
-    rotor_b, rotor_a = held(lag[1:], lag, window_s, late_s)
+    rotor_b, rotor_a = held(lag[1:], lag, window_s, late_s, sampled=sampled)
     if np.max(np.abs(np.roots(rotor_b)), initial=0.0) > _TOLD:
         late_s = 0.0
-        rotor_b, rotor_a = held(lag[1:], lag, window_s)
-    b, a = held(numerator, np.convolve(denominator, lag), window_s, late_s)
+        rotor_b, rotor_a = held(lag[1:], lag, window_s, sampled=sampled)
+    b, a = held(numerator, np.convolve(denominator, lag), window_s, late_s, sampled=sampled)
     return np.convolve(b, rotor_a), np.convolve(a, rotor_b)
 
 
-def held(numerator: Array, denominator: Array, window_s: float, late_s: float = 0.0) -> Filter:
-    """Return the filter from an input that is held for windows to the output's means over them.
+def held(
+    numerator: Array,
+    denominator: Array,
+    window_s: float,
+    late_s: float = 0.0,
+    *,
+    sampled: bool = False,
+) -> Filter:
+    """Return the filter from an input that is held for windows to what they show of the output.
 
     The exponential of x′ = A x + B u, u′ = 0, z′ = C x carries state and integral over a part of a
     window, exactly.
@@ -60,6 +75,8 @@ def held(numerator: Array, denominator: Array, window_s: float, late_s: float = 
         Duration of a window.
     late_s
         How long after a window's start the input changes, less than a window.
+    sampled
+        As in `behind_lag`.
     """
     n = denominator.size - 1
     rates = np.zeros((n + 2, n + 2))
@@ -67,10 +84,16 @@ def held(numerator: Array, denominator: Array, window_s: float, late_s: float = 
     rates[0, n] = 1.0 / denominator[0]
     rates[n + 1, n - numerator.size : n] = numerator
     before, after = expm(late_s * rates), expm((window_s - late_s) * rates)
-    moves, turns = after[:n, :n], after[n + 1, :n]
-    a_matrix = moves @ before[:n, :n]
-    turned = (before[n + 1, :n] + turns @ before[:n, :n])[None] / window_s
-    now = ss2tf(a_matrix, after[:n, n : n + 1], turned, after[n + 1, n, None, None] / window_s)
-    still = np.array([[before[n + 1, n] + turns @ before[:n, n]]]) / window_s
-    last = ss2tf(a_matrix, (moves @ before[:n, n])[:, None], turned, still)
+    # Columns: the state, the input of the window before, and the window's own.
+    between = np.column_stack((before[:n, : n + 1], np.zeros(n)))
+    ends = after[:n, :n] @ between
+    ends[:, -1] += after[:n, n]
+    if sampled:
+        shown = rates[n + 1, :n] @ ends
+    else:
+        shown = np.append(before[n + 1, : n + 1], after[n + 1, n]) + after[n + 1, :n] @ between
+        shown /= window_s
+    last, now = (
+        ss2tf(ends[:, :n], ends[:, [k]], shown[None, :n], shown[[[k]]]) for k in (n, n + 1)
+    )
     return np.append(now[0], 0.0) + np.append(0.0, last[0]), now[1]

@@ -17,8 +17,8 @@ NATURAL, DAMPING = 2.0 * math.pi / 0.033, 0.07
 SWING = np.array([1.0, 2.0 * DAMPING * NATURAL, NATURAL**2])
 
 
-def means(delay_s: float) -> tuple[Array, Array]:
-    """Window means of a rotor, and of a disc on a soft shaft behind it."""
+def shown(delay_s: float, *, sampled: bool) -> tuple[Array, Array]:
+    """What windows show of a rotor, and of a disc on a soft shaft behind it."""
 
     def moved(_: float, x: Array, driven: float) -> Array:
         rotor, disc, rate, _, _ = x
@@ -39,15 +39,19 @@ def means(delay_s: float) -> tuple[Array, Array]:
                     moved, (0.0, lasts_s), x, "DOP853", args=(driven,), rtol=1e-10, atol=1e-10
                 )
                 x = solved.y[:, -1]
-        found.append(x[3:] / WINDOW_S)
+        found.append(x[:2] if sampled else x[3:] / WINDOW_S)
     rotor_rad_s, disc_rad_s = np.transpose(found)
     return rotor_rad_s, disc_rad_s
 
 
+@pytest.mark.parametrize("sampled", [False, True])
 @pytest.mark.parametrize("delay_s", [0.0, 0.0015, 0.0115])
-def test_the_rotors_means_tell_what_drove_it_whenever_it_acted(delay_s: float) -> None:
-    rotor_rad_s, disc_rad_s = means(delay_s)
-    filtered = lfilter(*behind_lag(SWING[2:], SWING, TAU_S, delay_s, WINDOW_S), rotor_rad_s)
+def test_the_rotors_windows_tell_what_drove_it_whenever_it_acted(
+    delay_s: float, sampled: bool
+) -> None:
+    rotor_rad_s, disc_rad_s = shown(delay_s, sampled=sampled)
+    behind = behind_lag(SWING[2:], SWING, TAU_S, delay_s, WINDOW_S, sampled=sampled)
+    filtered = lfilter(*behind, rotor_rad_s)
     assert filtered == pytest.approx(disc_rad_s, abs=1e-6)
     # If the rotor itself were held through each window, it would be far off.
     as_held = lfilter(*behind_lag(SWING[2:], SWING, 0.0, delay_s, WINDOW_S), rotor_rad_s)
@@ -55,7 +59,7 @@ def test_the_rotors_means_tell_what_drove_it_whenever_it_acted(delay_s: float) -
 
 
 def test_a_delay_of_most_of_a_window_does_not_make_it_swing_for_ever() -> None:
-    rotor_rad_s, disc_rad_s = means(0.008)
+    rotor_rad_s, disc_rad_s = shown(0.008, sampled=False)
     b, a = behind_lag(SWING[2:], SWING, TAU_S, 0.008, WINDOW_S)
     assert np.max(np.abs(np.roots(a))) < 1.0
     assert b.sum() / a.sum() == pytest.approx(1.0)

@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 
 from usmbench.model.effects.base import Array, Effect, Values
 from usmbench.model.effects.context import Context
-from usmbench.model.effects.first_order import lag_of
+from usmbench.model.effects.first_order import Lag, lag_of
 from usmbench.model.effects.parameter import Parameter
 from usmbench.model.linear import time_constant_s
 from usmbench.model.window_filter import Filter, behind_lag
@@ -63,7 +63,7 @@ class ShaftCompliance(Effect):
         if values["period_s"] < _SHORTEST * context.window_s:
             return signal
         shape = (values["period_s"], values["damping"], context.window_s)
-        ringing = _ringing(*_lag_s(context), *shape, by_coupling=self._by_coupling)
+        ringing = _ringing(_lag(context), *shape, by_coupling=self._by_coupling)
         return np.asarray(signal[0] + lfilter(*ringing, signal - signal[0]))
 
     def grid(self, contexts: Sequence[Context]) -> dict[str, Array]:
@@ -94,44 +94,35 @@ class DampedCoupling(ShaftCompliance):
     meaning = "The coupling twists, and damps what it lets ring."
 
 
-def _lag_s(context: Context) -> tuple[float, float]:
-    """Time constant and delay with which the rotor follows; a time constant of 0 for none known."""
-    known = lag_of(context.linear, context.window_s)
-    if known is None:
-        return time_constant_s(context.linear) or 0.0, 0.0
-    return known.tau_s, known.delay_s
+def _lag(context: Context) -> Lag:
+    """How the rotor follows, as far as it is known; at once for not at all."""
+    tau_s = time_constant_s(context.linear) or 0.0
+    return lag_of(context.linear, context.window_s) or Lag(tau_s, 0.0)
 
 
 @lru_cache(_KEPT)
 def _ringing(
-    tau_s: float,
-    delay_s: float,
-    period_s: float,
-    damping: float,
-    window_s: float,
-    *,
-    by_coupling: bool,
+    lag: Lag, period_s: float, damping: float, window_s: float, *, by_coupling: bool
 ) -> Filter:
     """Filter from the rotor's speed to the disc's, window by window."""
     swing = _swing(period_s, damping)
-    return behind_lag(swing[1 if by_coupling else 2 :], swing, tau_s, delay_s, window_s)
+    return _behind(lag, swing[1 if by_coupling else 2 :], swing, window_s)
 
 
 @lru_cache(_KEPT)
 def _swinging(
-    load_share: float,
-    tau_s: float,
-    delay_s: float,
-    period_s: float,
-    damping: float,
-    window_s: float,
+    load_share: float, lag: Lag, period_s: float, damping: float, window_s: float
 ) -> Filter:
     """Filter from the rotor's speed to what a swinging load takes from it."""
     swing = _swing(period_s, damping)
-    pull = load_share * tau_s * np.array([swing[1], swing[2], 0.0])
-    both = np.convolve(swing, [tau_s, 1.0])
+    pull = load_share * lag.tau_s * np.array([swing[1], swing[2], 0.0])
+    both = np.convolve(swing, [lag.tau_s, 1.0])
     both[1:] += pull
-    return behind_lag(pull, both, tau_s, delay_s, window_s)
+    return _behind(lag, pull, both, window_s)
+
+
+def _behind(lag: Lag, numerator: Array, denominator: Array, window_s: float) -> Filter:
+    return behind_lag(numerator, denominator, lag.tau_s, lag.delay_s, window_s, sampled=lag.sampled)
 
 
 def _swing(period_s: float, damping: float) -> Array:
@@ -171,14 +162,13 @@ class SwingingLoad(ShaftCompliance):
         signal, context, values
             As in `Effect.apply`.
         """
-        tau_s, delay_s = _lag_s(context)
+        lag = _lag(context)
         seen = values["period_s"] >= _SHORTEST * context.window_s
-        if not seen or values["load_share"] <= 0.0 or not tau_s:
+        if not seen or values["load_share"] <= 0.0 or not lag.tau_s:
             return signal
         shape = (values["period_s"], values["damping"], context.window_s)
-        taken = lfilter(
-            *_swinging(values["load_share"], tau_s, delay_s, *shape), signal - signal[0]
-        )
+        swinging = _swinging(values["load_share"], lag, *shape)
+        taken = lfilter(*swinging, signal - signal[0])
         moved: Array = np.where(_at_rest(signal, context), 0.0, taken)
         return signal - moved
 
