@@ -36,7 +36,7 @@ def behind_lag(
     tau_s
         Time constant of the lag; 0 where the rotor is held through each window itself.
     delay_s
-        Delay of the commands.
+        Delay of the commands; a little below 0 where they act sooner.
     window_s
         Duration of a window.
     sampled
@@ -47,7 +47,8 @@ def behind_lag(
     late_s = delay_s - window_s * math.floor(delay_s / window_s)
     lag = np.array([tau_s, 1.0])
     rotor_b, rotor_a = held(lag[1:], lag, window_s, late_s, sampled=sampled)
-    if np.max(np.abs(np.roots(rotor_b)), initial=0.0) > _TOLD:
+    # Without a part of the window it began in, a change is not told from one a window later.
+    if rotor_b[0] <= 0.0 or np.max(np.abs(np.roots(rotor_b)), initial=0.0) > _TOLD:
         late_s = 0.0
         rotor_b, rotor_a = held(lag[1:], lag, window_s, sampled=sampled)
     b, a = held(numerator, np.convolve(denominator, lag), window_s, late_s, sampled=sampled)

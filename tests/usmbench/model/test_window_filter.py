@@ -67,6 +67,17 @@ def test_a_delay_of_most_of_a_window_does_not_make_it_swing_for_ever() -> None:
     assert np.max(np.abs(filtered)) < 2.0 * np.max(np.abs(disc_rad_s))
 
 
+@pytest.mark.parametrize("delay_s", [-1e-20, -0.0005])
+@pytest.mark.parametrize("sampled", [False, True])
+def test_what_acts_sooner_is_taken_to_act_at_once(delay_s: float, sampled: bool) -> None:
+    sooner, at_once = (
+        behind_lag(SWING[2:], SWING, TAU_S, late_s, WINDOW_S, sampled=sampled)
+        for late_s in (delay_s, 0.0)
+    )
+    for found, expected in zip(sooner, at_once, strict=True):
+        assert found == pytest.approx(expected)
+
+
 def test_an_input_that_changes_later_counts_later() -> None:
     # An integrator of what is 1 from the last quarter of the first window on.
     step = lfilter(*held(np.array([1.0]), np.array([1.0, 0.0]), 4.0, 3.0), np.ones(2))
