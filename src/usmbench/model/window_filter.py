@@ -7,22 +7,18 @@ from numpy.typing import NDArray
 from scipy.linalg import companion, expm
 from scipy.signal import ss2tf
 
+from usmbench.model.effects.first_order import Lag, lag_coefficients
+
 Array = NDArray[np.float64]
 Filter = tuple[Array, Array]
 """Numerator and denominator, as `scipy.signal.lfilter` takes them."""
 
-_TOLD = 0.95  # largest zero of the rotor's filter with which its means tell what drove it
+# Largest zero of the rotor's filter with which its windows tell what drove it. Nothing measured
+# sets it.
+_TOLD = 0.95
 
 
-def behind_lag(
-    numerator: Array,
-    denominator: Array,
-    tau_s: float,
-    delay_s: float,
-    window_s: float,
-    *,
-    sampled: bool = False,
-) -> Filter:
+def behind_lag(numerator: Array, denominator: Array, lag: Lag, window_s: float) -> Filter:
     """Return the filter of what hangs on a rotor that follows held speeds with a lag.
 
     The rotor's windows tell what it was driven by, and that the output's windows. Where they do
@@ -33,26 +29,24 @@ def behind_lag(
     numerator, denominator
         Transfer function from the rotor's speed to the output, by falling powers of s, shape (m,)
         and (n + 1,), m ≤ n.
-    tau_s
-        Time constant of the lag; 0 where the rotor is held through each window itself.
-    delay_s
-        Delay of the commands; a little below 0 where they act sooner.
+    lag
+        How the rotor follows, and what windows show; with a time constant of 0 the rotor itself is
+        held through each.
     window_s
         Duration of a window.
-    sampled
-        Whether windows show speeds at their ends, not averages.
     """
-    if tau_s <= 0.0:
+    if lag.tau_s <= 0.0:
         return held(numerator, denominator, window_s)
-    late_s = delay_s - window_s * math.floor(delay_s / window_s)
-    lag = np.array([tau_s, 1.0])
-    rotor_b, rotor_a = held(lag[1:], lag, window_s, late_s, sampled=sampled)
+    tau, sampled = lag.tau_s / window_s, lag.sampled
+    late = lag.delay_s / window_s - math.floor(lag.delay_s / window_s)
+    pole, rotor_b = lag_coefficients(tau, late, sampled=sampled)
     # Without a part of the window it began in, a change is not told from one a window later.
     if rotor_b[0] <= 0.0 or np.max(np.abs(np.roots(rotor_b)), initial=0.0) > _TOLD:
-        late_s = 0.0
-        rotor_b, rotor_a = held(lag[1:], lag, window_s, sampled=sampled)
-    b, a = held(numerator, np.convolve(denominator, lag), window_s, late_s, sampled=sampled)
-    return np.convolve(b, rotor_a), np.convolve(a, rotor_b)
+        late = 0.0
+        pole, rotor_b = lag_coefficients(tau, late, sampled=sampled)
+    follows = np.convolve(denominator, [lag.tau_s, 1.0])
+    b, a = held(numerator, follows, window_s, late * window_s, sampled=sampled)
+    return np.convolve(b, [1.0, -pole]), np.convolve(a, rotor_b)
 
 
 def held(
@@ -66,7 +60,7 @@ def held(
     """Return the filter from an input that is held for windows to what they show of the output.
 
     The exponential of x′ = A x + B u, u′ = 0, z′ = C x carries state and integral over a part of a
-    window, exactly.
+    window, exactly (Van Loan 1978, doi:10.1109/TAC.1978.1101743).
 
     Parameters
     ----------
@@ -77,7 +71,7 @@ def held(
     late_s
         How long after a window's start the input changes, less than a window.
     sampled
-        As in `behind_lag`.
+        Whether windows show speeds at their ends, not averages.
     """
     n = denominator.size - 1
     rates = np.zeros((n + 2, n + 2))

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
+from usmbench.model.effects.first_order import Lag
 from usmbench.model.window_filter import behind_lag, held
 
 Array = NDArray[np.float64]
@@ -50,17 +51,17 @@ def test_the_rotors_windows_tell_what_drove_it_whenever_it_acted(
     delay_s: float, sampled: bool
 ) -> None:
     rotor_rad_s, disc_rad_s = shown(delay_s, sampled=sampled)
-    behind = behind_lag(SWING[2:], SWING, TAU_S, delay_s, WINDOW_S, sampled=sampled)
+    behind = behind_lag(SWING[2:], SWING, Lag(TAU_S, delay_s, sampled), WINDOW_S)
     filtered = lfilter(*behind, rotor_rad_s)
     assert filtered == pytest.approx(disc_rad_s, abs=1e-6)
     # If the rotor itself were held through each window, it would be far off.
-    as_held = lfilter(*behind_lag(SWING[2:], SWING, 0.0, delay_s, WINDOW_S), rotor_rad_s)
+    as_held = lfilter(*behind_lag(SWING[2:], SWING, Lag(0.0, delay_s), WINDOW_S), rotor_rad_s)
     assert np.max(np.abs(as_held - disc_rad_s)) > 1.0
 
 
 def test_a_delay_of_most_of_a_window_does_not_make_it_swing_for_ever() -> None:
     rotor_rad_s, disc_rad_s = shown(0.008, sampled=False)
-    b, a = behind_lag(SWING[2:], SWING, TAU_S, 0.008, WINDOW_S)
+    b, a = behind_lag(SWING[2:], SWING, Lag(TAU_S, 0.008), WINDOW_S)
     assert np.max(np.abs(np.roots(a))) < 1.0
     assert b.sum() / a.sum() == pytest.approx(1.0)
     filtered = lfilter(b, a, rotor_rad_s)
@@ -71,7 +72,7 @@ def test_a_delay_of_most_of_a_window_does_not_make_it_swing_for_ever() -> None:
 @pytest.mark.parametrize("sampled", [False, True])
 def test_what_acts_sooner_is_taken_to_act_at_once(delay_s: float, sampled: bool) -> None:
     sooner, at_once = (
-        behind_lag(SWING[2:], SWING, TAU_S, late_s, WINDOW_S, sampled=sampled)
+        behind_lag(SWING[2:], SWING, Lag(TAU_S, late_s, sampled), WINDOW_S)
         for late_s in (delay_s, 0.0)
     )
     for found, expected in zip(sooner, at_once, strict=True):

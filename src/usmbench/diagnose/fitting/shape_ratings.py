@@ -10,7 +10,7 @@ Rated = tuple[dict[str, float], float]  # values, and what they are worth
 _PEAKS = 3  # half a grid's step goes along with every other one of its own
 # Of a staircase's levels each grid has others that move them by the same, but for its size: these
 # are tried, too, where they come near the best and that is no chance. Nothing measured sets them.
-_ALIASES, _AS_NEAR, _NO_CHANCE = 10, 0.5, 50.0
+_ALIASES, _AS_NEAR, _CLEAR_DROP = 10, 0.5, 50.0
 _TAIL = 1.0  # roughness that is worth the tail at one point, or more, from a statistic of 6 on
 
 
@@ -71,7 +71,7 @@ def peaks(tried: Sequence[Rated]) -> list[Rated]:
         Values along a scan.
     """
     left = np.array([worth for _, worth in tried])
-    near = max(_AS_NEAR * float(np.max(left, initial=0.0)), _NO_CHANCE)
+    near = max(_AS_NEAR * float(np.max(left, initial=0.0)), _CLEAR_DROP)
     found: list[Rated] = []
     for _ in range(min(_ALIASES, left.size)):
         k = int(np.argmax(left))

@@ -106,7 +106,7 @@ def _ringing(
 ) -> Filter:
     """Filter from the rotor's speed to the disc's, window by window."""
     swing = _swing(period_s, damping)
-    return _behind(lag, swing[1 if by_coupling else 2 :], swing, window_s)
+    return behind_lag(swing[1 if by_coupling else 2 :], swing, lag, window_s)
 
 
 @lru_cache(_KEPT)
@@ -118,11 +118,7 @@ def _swinging(
     pull = load_share * lag.tau_s * np.array([swing[1], swing[2], 0.0])
     both = np.convolve(swing, [lag.tau_s, 1.0])
     both[1:] += pull
-    return _behind(lag, pull, both, window_s)
-
-
-def _behind(lag: Lag, numerator: Array, denominator: Array, window_s: float) -> Filter:
-    return behind_lag(numerator, denominator, lag.tau_s, lag.delay_s, window_s, sampled=lag.sampled)
+    return behind_lag(pull, both, lag, window_s)
 
 
 def _swing(period_s: float, damping: float) -> Array:
