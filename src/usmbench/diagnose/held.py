@@ -55,8 +55,9 @@ def held(found: Found) -> Held:
         says = verdict_on(scattered, sporadic)
     if says not in STANDS:
         unnamed = found.drop_names()
-        if found.named and sporadic is not None:
-            # That names do not stand says nothing against windows that stand alone.
+        if found.named:
+            # That names do not stand says nothing against windows that stand alone, which lost
+            # counts among them take for their own.
             without = held(unnamed)
             if without.sporadic is not None:
                 return without

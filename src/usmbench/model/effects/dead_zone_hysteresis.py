@@ -33,7 +33,7 @@ class DirectedEdges(Effect):
             "width_deg",
             "deg",
             0.0,
-            -5.0,
+            0.0,
             60.0,
             0.5,
             what="width of the loop: half of it farther out outward bound, half nearer in inward",
