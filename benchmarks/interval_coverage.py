@@ -22,11 +22,12 @@ from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.naming.search import search
 from usmbench.diagnose.reference import with_knowledge
 from usmbench.identify.fast import FastOptions, identify_fast
+from usmbench.model.applied import Applied
 from usmbench.model.effects.base import Effect
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.effects.registry import library
-from usmbench.model.extended import Applied, extended_run
+from usmbench.model.extended import extended_run
 from usmbench.model.hammerstein import StaticCurve
 from usmbench.runs.record import Record
 

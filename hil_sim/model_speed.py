@@ -7,9 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.errors import InputError
+from usmbench.model.applied import applied_effects
 from usmbench.model.driving import driving
 from usmbench.model.effects.context import Context
-from usmbench.model.extended import applied_effects, extended_run, through
+from usmbench.model.extended import extended_run, through
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.mixed_curve import settled_speed
 from usmbench.model.operating_points import point_weights

@@ -1,8 +1,8 @@
 """The small version: intervals hold the truth, of shapes that trade with a size, too."""
 
 from benchmarks.interval_coverage import Motor, draws, held
+from usmbench.model.applied import Applied
 from usmbench.model.effects.registry import find_effect
-from usmbench.model.extended import Applied
 
 
 def test_the_interval_of_a_time_constant_follows_what_it_trades_with() -> None:

@@ -26,8 +26,8 @@ from usmbench.diagnose.naming.sporadic import left_unnamed
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.views import residual_views
 from usmbench.diagnose.result import Diagnosis, Remainder, Trace, View
+from usmbench.model.applied import Applied
 from usmbench.model.effects.base import Effect
-from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
 
 _MOST_POINTS = 3000

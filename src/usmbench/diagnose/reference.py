@@ -20,9 +20,9 @@ from usmbench.diagnose.naming.ranking import rank
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.errors import InputError
 from usmbench.identify.wild_rows import without_wild_rows
+from usmbench.model.applied import Applied
 from usmbench.model.effects.base import Stage
 from usmbench.model.effects.registry import library
-from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.runs.pauses import cold_starts
 from usmbench.runs.record import Record

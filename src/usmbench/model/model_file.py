@@ -8,7 +8,7 @@ import numpy as np
 import yaml
 
 from usmbench.errors import CauseError, InputError
-from usmbench.model.extended import applied_effects
+from usmbench.model.applied import applied_effects
 from usmbench.model.hammerstein import (
     HammersteinModel,
     LinearPart,

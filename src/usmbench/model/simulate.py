@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.errors import InputError
+from usmbench.model.applied import foreseen_effects
 from usmbench.model.driving import ALWAYS, Driving
 from usmbench.model.effects.context import Context
-from usmbench.model.extended import extended_run, foreseen_effects
+from usmbench.model.extended import extended_run
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.mixed_curve import beyond_range, settled_speed
 from usmbench.model.operating_points import point_weights

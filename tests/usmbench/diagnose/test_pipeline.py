@@ -10,8 +10,8 @@ from known_motor import NOISE_RAD_S, WINDOW_S, applied, driven, identified, meas
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.reference import with_knowledge
 from usmbench.identify.fast import FastOptions, identify_fast
+from usmbench.model.applied import Applied
 from usmbench.model.effects.first_order import first_order
-from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.linear import free_run
 from usmbench.model.model_file import read_model, write_model

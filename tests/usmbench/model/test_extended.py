@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from usmbench.model.applied import Applied
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.effects.registry import find_effect
-from usmbench.model.extended import Applied, at_shaft_angle, counted, shaft_run, shaft_speeds
+from usmbench.model.extended import at_shaft_angle, counted, shaft_run, shaft_speeds
 from usmbench.model.hammerstein import LinearPart
 
 WINDOW_S = 0.01

@@ -10,8 +10,8 @@ from usmbench.diagnose.anew.through_counter import Estimated, fit_through
 from usmbench.diagnose.cutting.stretches import Mask, Stretch
 from usmbench.diagnose.fitting.blocks import FOLDS, held_out
 from usmbench.identify.selection import DEGREES
+from usmbench.model.applied import Applied
 from usmbench.model.effects.base import Effect
-from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel, StaticCurve
 
 Array = NDArray[np.float64]

@@ -28,8 +28,8 @@ from usmbench.diagnose.naming.ranking import SIGNIFICANT
 from usmbench.diagnose.naming.remainder import describe
 from usmbench.diagnose.result import Diagnosis, Trace
 from usmbench.identify.knots import dead_zone_deg
+from usmbench.model.applied import Applied
 from usmbench.model.effects.base import Effect
-from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
 
 Array = NDArray[np.float64]

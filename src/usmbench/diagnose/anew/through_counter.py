@@ -16,7 +16,8 @@ from usmbench.diagnose.cutting.stretches import Mask, Stretch
 from usmbench.identify.design import stacked_basis
 from usmbench.identify.dynamics import FreeFamily
 from usmbench.identify.prior_rows import prior_rows
-from usmbench.model.extended import Applied, counted
+from usmbench.model.applied import Applied
+from usmbench.model.extended import counted
 from usmbench.model.hammerstein import LinearPart, StaticCurve
 from usmbench.model.linear import free_run
 

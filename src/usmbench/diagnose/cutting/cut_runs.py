@@ -10,9 +10,10 @@ from usmbench.diagnose.cutting.check_runs import check_enough, check_outside, ch
 from usmbench.diagnose.cutting.heating import heating
 from usmbench.diagnose.cutting.stretches import Mask, Stretch, came_from, stepped
 from usmbench.diagnose.cutting.tabled_curve import NODES_DEG, TabledCurve
+from usmbench.model.applied import Applied
 from usmbench.model.driving import driving_of, stops
 from usmbench.model.effects.context import Context
-from usmbench.model.extended import Applied, extended_run
+from usmbench.model.extended import extended_run
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.linear import memory_windows
 from usmbench.model.mixed_curve import beyond_range

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from usmbench.diagnose.cutting.stretches import Stretch
-from usmbench.model.extended import Applied, extended_run
+from usmbench.model.applied import Applied
+from usmbench.model.extended import extended_run
 
 Array = NDArray[np.float64]
 

@@ -32,8 +32,8 @@ from usmbench.diagnose.noise.noise_model import Noise
 from usmbench.diagnose.residual.own_effects import cut_beside_own, known_of, own_effects
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.result import Diagnosis
+from usmbench.model.applied import Applied
 from usmbench.model.effects.registry import find_effect
-from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.runs.record import Record
 

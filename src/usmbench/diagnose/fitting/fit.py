@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 from scipy.special import chdtrc
 
+from usmbench.model.applied import Applied
 from usmbench.model.effects.parameter import Parameter
-from usmbench.model.extended import Applied
 
 
 @dataclass(frozen=True, slots=True)

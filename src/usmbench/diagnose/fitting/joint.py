@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.residual.problem import Problem
-from usmbench.model.extended import Applied
+from usmbench.model.applied import Applied
 
 Array = NDArray[np.float64]
 

@@ -7,9 +7,9 @@ from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.shape_ratings import as_is
 from usmbench.diagnose.fitting.shape_search import ShapeSearch
 from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.applied import Applied
 from usmbench.model.effects.base import Effect
 from usmbench.model.effects.parameter import Parameter
-from usmbench.model.extended import Applied
 
 
 def fit_effect(problem: Problem, effect: Effect, given: Sequence[Applied] = ()) -> Fit:

@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.fitting.shape_ratings import Rated
 from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.applied import Applied
 from usmbench.model.effects.base import Effect
 from usmbench.model.effects.parameter import Parameter
-from usmbench.model.extended import Applied, moving_starts
+from usmbench.model.extended import moving_starts
 
 Array = NDArray[np.float64]
 

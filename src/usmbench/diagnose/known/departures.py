@@ -18,7 +18,8 @@ from usmbench.diagnose.known.shapes import (
 )
 from usmbench.diagnose.known.wander import COLUMNS, WARMS
 from usmbench.diagnose.known.wander_shares import ANY
-from usmbench.model.extended import Applied, extended_run
+from usmbench.model.applied import Applied
+from usmbench.model.extended import extended_run
 from usmbench.model.hammerstein import CREST_DEG
 from usmbench.model.linear import free_run
 

@@ -15,7 +15,7 @@ from usmbench.diagnose.known.wander import Wander
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.noise.noise_model import Noise
 from usmbench.diagnose.noise.spikes import PLAIN, count_steady, off_steps, spiked
-from usmbench.model.extended import Applied
+from usmbench.model.applied import Applied
 
 Array = NDArray[np.float64]
 

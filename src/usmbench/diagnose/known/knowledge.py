@@ -25,7 +25,7 @@ from usmbench.diagnose.known.warm_start_shapes import (
     warm_shapes,
 )
 from usmbench.diagnose.noise.noise_model import Noise
-from usmbench.model.extended import Applied, applied_effects
+from usmbench.model.applied import Applied, applied_effects
 
 Array = NDArray[np.float64]
 

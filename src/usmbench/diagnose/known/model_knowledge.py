@@ -17,7 +17,7 @@ from usmbench.diagnose.known.wander import wander_from_mapping, wander_of_shares
 from usmbench.diagnose.known.wander_shares import LEAST
 from usmbench.diagnose.noise.noise_model import noise_from_mapping
 from usmbench.errors import CauseError, InputError
-from usmbench.model.extended import applied_effects
+from usmbench.model.applied import applied_effects
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.operating_points import places_among
 from usmbench.settings.schema import check

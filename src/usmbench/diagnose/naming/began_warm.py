@@ -16,7 +16,7 @@ from usmbench.diagnose.known.warm_start_shapes import histories, warm_means, war
 from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.naming.ranking import NO_CHANCE, TELLING
 from usmbench.diagnose.residual.problem import Problem
-from usmbench.model.extended import Applied
+from usmbench.model.applied import Applied
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Mask
 from usmbench.diagnose.residual.problem import Problem
-from usmbench.model.extended import Applied
+from usmbench.model.applied import Applied
 
 Array = NDArray[np.float64]
 

@@ -11,9 +11,9 @@ from usmbench.diagnose.evidence import Detectable
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.naming.ranking import CLEAR
 from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.applied import Applied
 from usmbench.model.effects.base import Effect
 from usmbench.model.effects.parameter import Parameter
-from usmbench.model.extended import Applied
 
 _POWER = 0.9
 _MOST = 1e3  # deviance that no chance reaches

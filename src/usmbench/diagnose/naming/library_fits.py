@@ -6,8 +6,8 @@ from usmbench.diagnose.fitting.fit import NOTHING, Fit
 from usmbench.diagnose.fitting.refining import refine
 from usmbench.diagnose.fitting.scanning import fit_effect, sharpen
 from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.applied import Applied
 from usmbench.model.effects.base import Effect
-from usmbench.model.extended import Applied
 
 # How many with a scan are refined, the best to first order, since it takes time. Nothing measured
 # sets it or the next.

@@ -32,8 +32,8 @@ from usmbench.diagnose.naming.worth import First, earns_its_place, worth_a_name
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.views import omnibus
 from usmbench.diagnose.residual.whole import doubted_test, whole_test
+from usmbench.model.applied import Applied
 from usmbench.model.effects.base import Effect
-from usmbench.model.extended import Applied
 
 # Rivals of the best cause, and smooth ones beside a jagged one, since each takes time; nothing
 # measured sets either.

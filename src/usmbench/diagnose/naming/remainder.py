@@ -10,7 +10,7 @@ from scipy.stats import chi2, norm, poisson
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.whole import PLAIN_P_VALUE, Whole, excused
 from usmbench.diagnose.result import Remainder, View
-from usmbench.model.extended import Applied
+from usmbench.model.applied import Applied
 
 Array = NDArray[np.float64]
 

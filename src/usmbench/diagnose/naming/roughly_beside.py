@@ -8,7 +8,7 @@ from usmbench.diagnose.fitting.refining import refine_widely
 from usmbench.diagnose.fitting.scanning import fit_effect
 from usmbench.diagnose.naming.ranking import Ranked
 from usmbench.diagnose.residual.problem import Problem
-from usmbench.model.extended import Applied
+from usmbench.model.applied import Applied
 
 
 def roughly_beside(

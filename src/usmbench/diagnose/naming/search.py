@@ -28,8 +28,8 @@ from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.views import omnibus
 from usmbench.diagnose.residual.whole import doubted_test, whole_test
 from usmbench.diagnose.result import STANDS
+from usmbench.model.applied import Applied
 from usmbench.model.effects.base import Effect
-from usmbench.model.extended import Applied
 
 Array = NDArray[np.float64]
 

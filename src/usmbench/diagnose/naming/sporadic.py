@@ -16,9 +16,9 @@ from usmbench.diagnose.noise.rotor_states import moved_rad_s, steady
 from usmbench.diagnose.noise.spikes import apart, are_exceptions
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.whole import PLAIN_P_VALUE
+from usmbench.model.applied import Applied
 from usmbench.model.effects.lone_windows import LoneWindows, SporadicEffect, Weighed
 from usmbench.model.effects.registry import library
-from usmbench.model.extended import Applied
 
 Array = NDArray[np.float64]
 

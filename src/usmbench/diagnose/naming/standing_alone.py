@@ -13,8 +13,8 @@ from usmbench.diagnose.naming.chance import chancy_of, struck_by
 from usmbench.diagnose.noise.rotor_states import moved_rad_s, runs_on, steady, whole_count_rad_s
 from usmbench.diagnose.noise.spikes import PLAIN, off_steps, spiked
 from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.applied import Applied
 from usmbench.model.effects.base import PHYSICS
-from usmbench.model.extended import Applied
 
 Array = NDArray[np.float64]
 

@@ -28,8 +28,8 @@ from usmbench.diagnose.naming.worth import First, earns_its_place, worth_a_name
 from usmbench.diagnose.residual.basis import Basis
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.views import omnibus
+from usmbench.model.applied import Applied
 from usmbench.model.effects.base import Effect
-from usmbench.model.extended import Applied
 
 _MOST_CAUSES = 3  # two are named at most: a third only shows that they are patches
 # For what healthy runs show anyhow; see "nothing hidden" in benchmarks/naming_campaign.py.

@@ -11,8 +11,8 @@ from usmbench.diagnose.fitting.refining import refine_widely
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.views import omnibus
 from usmbench.diagnose.residual.whole import whole_test
+from usmbench.model.applied import Applied
 from usmbench.model.effects.base import PHYSICS
-from usmbench.model.extended import Applied
 
 Array = NDArray[np.float64]
 

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.noise.chance_scatter import chance_scatter_rad_s
 from usmbench.diagnose.noise.rotor_states import KINDS, step_kind
+from usmbench.model.applied import Applied
 from usmbench.model.effects.base import PHYSICS
-from usmbench.model.extended import Applied, extended_run
+from usmbench.model.extended import extended_run
 from usmbench.model.polygon import hats
 
 Array = NDArray[np.float64]

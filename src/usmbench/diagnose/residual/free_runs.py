@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Stretch
-from usmbench.model.extended import Applied, counted, shaft_speeds
+from usmbench.model.applied import Applied
+from usmbench.model.extended import counted, shaft_speeds
 
 Array = NDArray[np.float64]
 

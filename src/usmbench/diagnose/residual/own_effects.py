@@ -9,7 +9,7 @@ from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.knowledge import Knowledge
 from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.residual.form import doubting_own
-from usmbench.model.extended import Applied, applied_effects, foreseen_effects
+from usmbench.model.applied import Applied, applied_effects, foreseen_effects
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.runs.record import Record
 

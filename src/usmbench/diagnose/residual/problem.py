@@ -16,8 +16,9 @@ from usmbench.diagnose.residual.form import ROUGHLY, edges_elsewhere, off_in_for
 from usmbench.diagnose.residual.free_runs import FreeRuns
 from usmbench.diagnose.residual.shown_motor import counters_of, expected_as_counted, shown_by
 from usmbench.diagnose.residual.weighed_residual import WeighedResidual
+from usmbench.model.applied import Applied
 from usmbench.model.effects.base import PHYSICS
-from usmbench.model.extended import Applied, at_shaft_angle
+from usmbench.model.extended import at_shaft_angle
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Stretch, stepped
 from usmbench.diagnose.known.knowledge import Knowledge
-from usmbench.model.extended import Applied, linear_part, through
+from usmbench.model.applied import Applied
+from usmbench.model.extended import linear_part, through
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from scipy.stats import chi2
 from usmbench.diagnose.residual.basis import Basis
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.views import omnibus
-from usmbench.model.extended import Applied
+from usmbench.model.applied import Applied
 
 PLAIN_P_VALUE = 1e-3  # that the views together show something
 _MATERIAL = 0.1  # of the noise's mean square

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.result import Diagnosis
 from usmbench.identify.fast import FastOptions, identify_fast
+from usmbench.model.applied import Applied
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.registry import find_effect
-from usmbench.model.extended import Applied, counted
+from usmbench.model.extended import counted
 from usmbench.model.hammerstein import LinearPart
 from usmbench.model.linear import free_run
 from usmbench.model.simulate import simulate

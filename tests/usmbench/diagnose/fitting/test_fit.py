@@ -5,8 +5,8 @@ import pytest
 from scipy.stats import chi2
 
 from usmbench.diagnose.fitting.fit import Fit
+from usmbench.model.applied import Applied
 from usmbench.model.effects.registry import find_effect
-from usmbench.model.extended import Applied
 
 
 @pytest.mark.parametrize(

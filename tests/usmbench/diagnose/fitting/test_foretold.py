@@ -13,8 +13,8 @@ from usmbench.diagnose.known.knowledge import Knowledge
 from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.applied import Applied
 from usmbench.model.effects.registry import find_effect
-from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
 
 Array = NDArray[np.float64]

@@ -11,10 +11,11 @@ from usmbench.diagnose.fitting.refining import refine
 from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.applied import Applied
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.effects.registry import find_effect
-from usmbench.model.extended import Applied, extended_run
+from usmbench.model.extended import extended_run
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
 from usmbench.runs.record import Record
 

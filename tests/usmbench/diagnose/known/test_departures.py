@@ -9,9 +9,10 @@ from tests.usmbench.diagnose.known.wandering_motor import driven, slipping_motor
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.dead_zone import edge_of_standstill_deg
 from usmbench.diagnose.known.departures import departures
+from usmbench.model.applied import Applied
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.effects.registry import find_effect
-from usmbench.model.extended import Applied, extended_run
+from usmbench.model.extended import extended_run
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
 from usmbench.model.linear import free_run
 from usmbench.runs.record import Record

@@ -15,8 +15,8 @@ from usmbench.diagnose.naming.ranking import rank, telling_deviance
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.result import Diagnosis
+from usmbench.model.applied import Applied
 from usmbench.model.effects.registry import find_effect
-from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.runs.record import Record
 

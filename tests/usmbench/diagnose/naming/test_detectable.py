@@ -10,8 +10,8 @@ from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.naming.detectable import smallest_sizes
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.applied import Applied
 from usmbench.model.effects.registry import find_effect
-from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
 
 

@@ -6,7 +6,7 @@ from known_motor import applied, judged
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.residual.whole import Whole
-from usmbench.model.extended import Applied
+from usmbench.model.applied import Applied
 
 
 @pytest.mark.parametrize(("spread", "mostly_left"), [(1.2, False), (1.8, True)])

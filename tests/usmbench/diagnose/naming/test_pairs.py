@@ -9,8 +9,8 @@ from usmbench.diagnose.naming.pairs import hidden_pair
 from usmbench.diagnose.naming.ranking import rank
 from usmbench.diagnose.pipeline import searched
 from usmbench.diagnose.residual.own_effects import cut_beside_own
+from usmbench.model.applied import Applied
 from usmbench.model.effects.registry import library
-from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
 
 STEP_DEG = 360.0 / 256.0

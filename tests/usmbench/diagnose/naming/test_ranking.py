@@ -11,10 +11,10 @@ from usmbench.diagnose.fitting.fit import NOTHING
 from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.naming.ranking import Ranked, alternatives, begun_with, rank, undecided
 from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.applied import Applied
 from usmbench.model.effects.base import Effect
 from usmbench.model.effects.registry import find_effect, library
 from usmbench.model.effects.sticking import Sticking
-from usmbench.model.extended import Applied
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from usmbench.diagnose.naming.roughly_beside import roughly_beside, roughly_toge
 from usmbench.diagnose.pipeline import searched
 from usmbench.diagnose.residual.own_effects import cut_beside_own
 from usmbench.diagnose.residual.problem import Problem
-from usmbench.model.extended import Applied
+from usmbench.model.applied import Applied
 
 OFFSET = applied("phase_offset", "", offset_deg=0.4)
 SCALE = applied("speed_scale", "", scale_error=-0.03)

@@ -16,7 +16,7 @@ from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.reference import with_knowledge
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.identify.fast import FastOptions, identify_fast
-from usmbench.model.extended import Applied
+from usmbench.model.applied import Applied
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.replay import replay_record
 from usmbench.runs.record import Record

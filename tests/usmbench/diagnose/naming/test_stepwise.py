@@ -18,9 +18,9 @@ from usmbench.diagnose.naming.ranking import Ranked, rank
 from usmbench.diagnose.naming.stepwise import Named, _trifle, name_causes
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.applied import Applied
 from usmbench.model.effects.base import Effect
 from usmbench.model.effects.registry import find_effect
-from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.replay import replay_record
 from usmbench.runs.record import Record

@@ -14,7 +14,7 @@ from usmbench.diagnose.naming.stepwise import Named
 from usmbench.diagnose.naming.weighed_again import weighed_again
 from usmbench.diagnose.pipeline import diagnose, searched
 from usmbench.diagnose.residual.own_effects import cut_beside_own
-from usmbench.model.extended import Applied
+from usmbench.model.applied import Applied
 
 DELAY = applied("transport_delay", "", delay_s=0.0137)
 SCALE = applied("speed_scale", "", scale_error=-0.15)

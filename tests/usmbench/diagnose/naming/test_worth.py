@@ -12,9 +12,9 @@ from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.naming.worth import First, worth_a_name
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.whole import Whole
+from usmbench.model.applied import Applied
 from usmbench.model.effects.base import Array, Effect, Values
 from usmbench.model.effects.context import Context
-from usmbench.model.extended import Applied
 
 LATE = applied("transport_delay", "", delay_s=0.006)
 WARMS = applied("thermal_drift", "speed", final_drift=-0.01, warm_up_s=15.0)

@@ -11,8 +11,8 @@ from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.noise.noise_model import noise_from_mapping
 from usmbench.diagnose.noise.rotor_states import step_kind
+from usmbench.model.applied import Applied
 from usmbench.model.effects.first_order import first_order
-from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
 from usmbench.runs.record import Record
 

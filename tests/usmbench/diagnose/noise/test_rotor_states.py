@@ -15,8 +15,8 @@ from usmbench.diagnose.noise.rotor_states import (
     turns,
     whole_count_rad_s,
 )
+from usmbench.model.applied import Applied
 from usmbench.model.effects.registry import find_effect
-from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.runs.record import Record
 

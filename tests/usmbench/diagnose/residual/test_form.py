@@ -13,9 +13,10 @@ from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.residual.form import off_in_form
 from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.applied import Applied
 from usmbench.model.effects.base import DEFINITION, PHYSICS
 from usmbench.model.effects.registry import find_effect
-from usmbench.model.extended import Applied, extended_run
+from usmbench.model.extended import extended_run
 from usmbench.model.hammerstein import HammersteinModel
 
 Array = NDArray[np.float64]

@@ -12,9 +12,10 @@ from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.residual.free_runs import FreeRuns
 from usmbench.diagnose.residual.problem import Problem
+from usmbench.model.applied import Applied
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.registry import find_effect
-from usmbench.model.extended import Applied, extended_run, shaft_speeds
+from usmbench.model.extended import extended_run, shaft_speeds
 from usmbench.model.hammerstein import HammersteinModel
 
 Array = NDArray[np.float64]

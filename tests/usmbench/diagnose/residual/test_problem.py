@@ -15,8 +15,8 @@ from usmbench.diagnose.noise.noise_model import Noise
 from usmbench.diagnose.noise.whitening import memory_rows, whitening
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.whole import excused
+from usmbench.model.applied import Applied
 from usmbench.model.effects.registry import find_effect
-from usmbench.model.extended import Applied
 from usmbench.model.hammerstein import HammersteinModel
 
 Array = NDArray[np.float64]

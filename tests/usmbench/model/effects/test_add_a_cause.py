@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from usmbench.errors import InputError
+from usmbench.model.applied import Applied, applied_effects
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.registry import find_effect, library
-from usmbench.model.extended import Applied, applied_effects, extended_run
+from usmbench.model.extended import extended_run
 from usmbench.model.hammerstein import LinearPart
 
 

@@ -5,10 +5,11 @@ import pytest
 from numpy.typing import NDArray
 
 from usmbench.errors import InputError
+from usmbench.model.applied import Applied
 from usmbench.model.effects.base import Effect
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.registry import find_effect, library
-from usmbench.model.extended import Applied, applied_effects, extended_run
+from usmbench.model.extended import extended_run
 from usmbench.model.hammerstein import LinearPart
 
 Array = NDArray[np.float64]
@@ -108,26 +109,10 @@ class TestEveryEffect:
         assert effect.mend.endswith(".")
         assert all(p.low <= p.null <= p.high and p.typical > 0.0 for p in effect.parameters)
 
-    def test_comes_back_from_a_model_file(self, effect: Effect) -> None:
-        applied = Applied(effect, effect.null)
-        assert applied_effects([applied.to_mapping()]) == (applied,)
-
 
 def test_a_cause_that_is_not_installed_is_refused() -> None:
     with pytest.raises(InputError, match="not installed"):
         find_effect("gremlins", "")
-
-
-def test_a_missing_parameter_is_refused() -> None:
-    with pytest.raises(InputError, match="phase_offset lacks offset_deg"):
-        applied_effects([{"name": "phase_offset", "parameters": {}}])
-
-
-@pytest.mark.parametrize("delay_s", [-0.001, 1.5, float("inf")])
-def test_an_entry_beyond_its_bounds_says_which_they_are(delay_s: float) -> None:
-    entry = {"name": "transport_delay", "parameters": {"delay_s": delay_s}}
-    with pytest.raises(InputError, match=r"transport_delay has delay_s = .*may be 0 to 1 s$"):
-        applied_effects([entry])
 
 
 @pytest.mark.parametrize("effect", library(), ids=_ids)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from usmbench.model.applied import Applied
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.phase_offset import PhaseOffset
 from usmbench.model.effects.phase_quantisation import (
@@ -13,7 +14,7 @@ from usmbench.model.effects.phase_quantisation import (
     RoundedPhase,
     TruncatedPhase,
 )
-from usmbench.model.extended import Applied, extended_run
+from usmbench.model.extended import extended_run
 from usmbench.model.hammerstein import LinearPart
 
 Array = NDArray[np.float64]

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from usmbench.model.applied import Applied
 from usmbench.model.effects import (
     crystal_error,
     dead_zone_hysteresis,
@@ -20,7 +21,7 @@ from usmbench.model.effects.first_order import (
     first_order,
 )
 from usmbench.model.effects.shaft_compliance import ShaftCompliance, SwingingLoad
-from usmbench.model.extended import Applied, extended_run
+from usmbench.model.extended import extended_run
 from usmbench.model.hammerstein import LinearPart
 
 Array = NDArray[np.float64]
