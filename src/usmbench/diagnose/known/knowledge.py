@@ -16,6 +16,7 @@ from usmbench.diagnose.cutting.long_runs import lasts_s
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.cutting.warmth import n_constants
 from usmbench.diagnose.known.between_nodes import between_nodes, deviations_rad_s
+from usmbench.diagnose.known.beyond_ends import beyond_ends
 from usmbench.diagnose.known.departures import departures, unwatched_warming
 from usmbench.diagnose.known.features import Features
 from usmbench.diagnose.known.wander import Wander
@@ -116,7 +117,8 @@ class Knowledge:
             n_lasting = n_constants(max(lasts_s(stretches).values()))
         found = []
         in_gaps = unsure_in_gaps(stretches, self.features, self.mean)
-        for s, gaps in zip(stretches, in_gaps, strict=True):
+        beyond = beyond_ends(stretches, self.features)
+        for s, gaps, ends in zip(stretches, in_gaps, beyond, strict=True):
             none = np.empty((s.context.n, 0))
             shapes = np.column_stack([none, *compress(self.features.columns(s), shaped)])
             own = self._own(s, habits)
@@ -124,7 +126,7 @@ class Knowledge:
             doubt = none if s.doubt_rad_s is None else s.doubt_rad_s
             further = unwatched_warming(s, n_known, n_lasting)
             apart = (own * ((s.run, s.start) == start) for start in starts)
-            found.append(np.column_stack([shapes, between, doubt, further, gaps, *apart]))
+            found.append(np.column_stack([shapes, between, ends, doubt, further, gaps, *apart]))
         wanders = block_diag(*[self._own_root] * len(starts))
         known = self.root[np.ix_(shaped, ways)]
         unsure = np.eye(found[0].shape[1] - known.shape[0] - wanders.shape[0])
