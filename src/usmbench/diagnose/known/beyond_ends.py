@@ -12,7 +12,8 @@ from usmbench.identify.like_phases import SAME_PHASE
 
 Array = NDArray[np.float64]
 
-_SATURATES = 0.5  # of what it goes on by: two standard deviations stop it at the end
+# Of what it goes on by: two standard deviations stop it at the end. Nothing measured sets it.
+_SATURATES = 0.5
 
 
 def beyond_ends(stretches: Sequence[Stretch], features: Features) -> Iterator[Array]:
