@@ -1,6 +1,6 @@
 """One motor of the naming campaign: identify it, hide a cause, diagnose, keep what came out."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
 from functools import cached_property
@@ -40,6 +40,27 @@ _SMALL: Final = 1.0  # noise
 _FRESH_EVERY: Final = 4  # a fresh run costs as much as the draw itself
 
 
+def references(duration_s: float = REFERENCE_S) -> Iterator[Excited]:
+    """Yield what a healthy motor is driven with, to be identified.
+
+    Every other run takes the frequencies backwards, else the warm-up would pass for the slope of
+    the resonance curve.
+
+    Parameters
+    ----------
+    duration_s
+        Duration of each run: four at the drive frequencies, four at these and their neighbours,
+        which show that slope.
+    """
+    near_hz = tuple(f + step_hz for f in FREQUENCIES_HZ for step_hz in _BESIDE_HZ)
+    runs = [
+        *((kind, FREQUENCIES_HZ) for kind in (*PLANS, PLANS[0])),
+        *(("multisine", near_hz) for _ in range(4)),
+    ]
+    for k, (kind, frequencies_hz) in enumerate(runs):
+        yield Excited(kind, duration_s, 900 + k, frequencies_hz[:: -1 if k % 2 else 1])
+
+
 class MotorBench:
     """One motor and its model, identified on healthy runs.
 
@@ -51,19 +72,16 @@ class MotorBench:
         Folder for models and results.
     motor
         The motor.
-    reference_s
-        Duration of each of the runs that it is identified on: four at the drive frequencies, four
-        at these and their neighbours, which show the slope of the resonance curve.
+    references
+        What drives the runs that it is identified on.
     """
 
-    def __init__(self, runs: Path, folder: Path, motor: Motor, reference_s: float = REFERENCE_S):
+    def __init__(self, runs: Path, folder: Path, motor: Motor, references: Iterable[Excited]):
         self._runs, self._folder, self._motor = runs, folder, motor
         self.effects = Effects(runs, motor)
         self.model = folder / "model.yaml"
-        references = [
-            Measured(motor, excited, excited.seed).folder(runs) for excited in _healthy(reference_s)
-        ]
-        _command("identify", *references, "--out", self.model)
+        driven = [Measured(motor, excited, excited.seed).folder(runs) for excited in references]
+        _command("identify", *driven, "--out", self.model)
 
     def diagnosed(self, draw: Draw) -> Outcome:
         """Hide, measure, diagnose."""
@@ -161,20 +179,6 @@ class MotorBench:
         floor = problem.noise.calm_rad_s(stretch)[rows]
         outcome.fresh_gain = _gain(plain[rows], better[rows], floor)
         outcome.oracle_gain = _gain(plain[rows], truly[rows], floor)
-
-
-def _healthy(reference_s: float) -> Iterator[Excited]:
-    """Yield what a healthy motor is driven with; every other run takes the frequencies backwards.
-
-    Else the warm-up would pass for the slope of the resonance curve.
-    """
-    near_hz = tuple(f + step_hz for f in FREQUENCIES_HZ for step_hz in _BESIDE_HZ)
-    runs = [
-        *((kind, FREQUENCIES_HZ) for kind in (*PLANS, PLANS[0])),
-        *(("multisine", near_hz) for _ in range(4)),
-    ]
-    for k, (kind, frequencies_hz) in enumerate(runs):
-        yield Excited(kind, reference_s, 900 + k, frequencies_hz[:: -1 if k % 2 else 1])
 
 
 def _error(model: HammersteinModel, record: Record) -> tuple[Array, NDArray[np.bool_]]:

@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
-from benchmarks.campaign_bench import REFERENCE_S, SMALL_REFERENCE_S, MotorBench
+from benchmarks.campaign_bench import REFERENCE_S, SMALL_REFERENCE_S, MotorBench, references
 from benchmarks.campaign_draws import (
     LENGTHS_S,
     SMALL_LENGTHS_S,
@@ -69,7 +69,7 @@ def work(campaign: Campaign, number: int) -> Iterator[str]:
     with tempfile.TemporaryDirectory() as folder:
         runs = campaign.runs or Path(folder) / "runs"
         runs.mkdir(exist_ok=True)
-        bench = MotorBench(runs, Path(folder), motor, campaign.reference_s)
+        bench = MotorBench(runs, Path(folder), motor, references(campaign.reference_s))
         for draw in draws(
             campaign.seed, number, campaign.n_draws, campaign.n_wire, campaign.choice
         ):

@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import isotonic_regression
 
-from benchmarks.campaign_bench import SMALL_REFERENCE_S, MotorBench
+from benchmarks.campaign_bench import SMALL_REFERENCE_S, MotorBench, references
 from benchmarks.campaign_runs import Excited, Motor
 from benchmarks.campaign_tables import share
 from benchmarks.told_test import LENGTH, told_length
@@ -146,9 +146,9 @@ def main(argv: list[str] | None = None) -> int:
         folder = Path(name)
         if arguments.small:
             mechanisms, repeats = mechanisms[:1], 1
-            bench = MotorBench(folder, folder, motor, SMALL_REFERENCE_S)
+            bench = MotorBench(folder, folder, motor, references(SMALL_REFERENCE_S))
         else:
-            bench = MotorBench(folder, folder, motor)
+            bench = MotorBench(folder, folder, motor, references())
         hits = _table(Power(bench, excited), mechanisms, repeats)
     n = repeats * len(mechanisms)
     by_multiple = list(zip(*hits, strict=True))
