@@ -5,7 +5,7 @@ BIN    := $(VENV)/bin
 # Two cores are what CI has; BLAS threads on top of our own processes only get in each other's way.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test firmware browser picture docs lint clean
+.PHONY: demo test cases firmware browser picture docs lint clean
 
 $(VENV)/.run: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit("usmbench needs Python 3.11 or later; set PYTHON=... to one") if sys.version_info < (3, 11) else None'
@@ -22,6 +22,10 @@ demo: $(VENV)/.run
 
 test: $(VENV)/.dev firmware browser
 	$(BIN)/python -m pytest -n 2 --dist worksteal
+
+# What takes longer than a test of every change may: docs/decisions/0012-tests-and-cases.md.
+cases: $(VENV)/.dev
+	$(BIN)/python -m pytest -n 2 --dist worksteal benchmarks/cases
 
 # The image that is flashed is tested too, wherever its tools are or can be had.
 firmware: $(VENV)/.dev

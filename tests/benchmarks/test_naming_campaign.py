@@ -28,18 +28,6 @@ def test_a_dead_channel_is_named_through_the_wire(motor_bench: MotorBench) -> No
     assert outcome.strength > 10.0
 
 
-def test_a_large_scale_error_is_named_with_its_size_and_gain(motor_bench: MotorBench) -> None:
-    hidden = Hidden("single", ("other_code_wheel=25.0",), ("speed_scale",), 30.0)
-    outcome = motor_bench.diagnosed(Draw(4, hidden, SHORT, wire=False))
-    assert "speed_scale" in {*outcome.named, *outcome.alternatives}
-    assert outcome.oracle_gain == pytest.approx(1.0, abs=0.2)
-    assert outcome.fresh_gain is not None
-    assert outcome.fresh_gain == pytest.approx(outcome.oracle_gain, abs=0.2)
-    truth, _, value, _ = outcome.intervals["scale_error"]
-    assert truth == 0.05
-    assert value == pytest.approx(truth, abs=0.01)
-
-
 def test_a_late_amplifier_is_another_angle_at_another_frequency() -> None:
     hidden = Hidden("single", ("amplifier_delay=40.0",), ("phase_offset",), 10.0)
     assert hidden.truth([41_000.0]) == pytest.approx({"offset_deg": -0.5904})

@@ -12,15 +12,13 @@ HOW = Conditions("random", 600, 90.0, 0.01, 0.03, 0.0, 1)
 
 
 def test_short_healthy_runs_are_no_finding() -> None:
-    outcomes = [draw(11, k, NOTHING, 1.5) for k in range(3)]
-    assert sum(o.right for o in outcomes) >= 3
-    assert not any(o.names for o in outcomes)
+    outcomes = [draw(11, k, NOTHING, 1.5) for k in range(2)]
+    assert all(o.right and not o.names for o in outcomes)
 
 
 def test_plain_causes_are_named() -> None:
-    causes = ("gain_asymmetry", "missed_counts", "phase_quantisation", "count_glitches")
-    outcomes = [draw(11, 0, cause, 3.0) for cause in causes]
-    assert sum(o.right for o in outcomes) >= 3
+    outcomes = [draw(11, 0, cause, 3.0) for cause in ("gain_asymmetry", "missed_counts")]
+    assert all(o.right for o in outcomes)
 
 
 def test_what_is_right(capsys: pytest.CaptureFixture[str]) -> None:

@@ -9,14 +9,6 @@ from benchmarks.campaign_runs import Excited
 from benchmarks.naming_power import MULTIPLES, Hits, Power, size_of_90_percent
 
 
-def test_a_longer_run_needs_a_smaller_size(motor_bench: MotorBench) -> None:
-    short_s, long_s = (
-        Power(motor_bench, Excited("staircase", duration_s, 5)).told_size("eccentric_disc")
-        for duration_s in (3.0, 6.0)
-    )
-    assert 0.0 < long_s < short_s < 30.0
-
-
 def test_a_large_cause_is_named(motor_bench: MotorBench) -> None:
     power = Power(motor_bench, Excited("staircase", 3.0, 5))
     assert power.named("dead_direction", 1.0, 1) == Hits(first=1, in_set=1)

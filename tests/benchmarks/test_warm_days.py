@@ -11,7 +11,7 @@ WARMING = Warming(0.02, 0.06, 30.0)
 
 
 def test_a_healthy_motor_that_begins_warm_gets_no_name() -> None:
-    day = draw(71, 0, 2000)
+    day = draw(71, 0, 700)
     assert (day.group, day.cause) == ("warm, healthy", "")
     assert day.begins > 0.3
     assert day.right

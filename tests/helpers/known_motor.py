@@ -58,6 +58,16 @@ def identified() -> HammersteinModel:
     return with_knowledge(identify_fast(runs, FastOptions(12)).model, runs)
 
 
+@cache
+def wandering() -> HammersteinModel:
+    """Return the model of that motor when its gain differs by 1 % from day to day."""
+    runs = [
+        measured(seed, applied("speed_scale", "", scale_error=error))
+        for seed, error in ((1, 0.01), (2, -0.012), (101, 0.006), (102, -0.008))
+    ]
+    return with_knowledge(identify_fast(runs, FastOptions(12)).model, runs)
+
+
 def judged(spread: float) -> Problem:
     """Return a healthy run whose noise has grown."""
     model = identified()

@@ -9,7 +9,7 @@ from usmbench.identify.fast import FastOptions, identify_fast
 from usmbench.model.linear import dead_time_s, time_constant_s
 from usmbench.runs.record import Record
 
-_NOISE_RAD_S, _DRAWS = 0.02, 2
+_NOISE_RAD_S = 0.02
 
 
 def _sampled(kind: str, windows_a_lag: float, seed: int) -> tuple[Record, float]:
@@ -25,15 +25,12 @@ def _sampled(kind: str, windows_a_lag: float, seed: int) -> tuple[Record, float]
 
 
 @pytest.mark.parametrize("kind", ["staircase", "triangle", "multisine"])
-@pytest.mark.parametrize("windows_a_lag", [0.05, 0.15, 0.5, 1.5, 4.0])
+@pytest.mark.parametrize("windows_a_lag", [0.05, 0.5, 4.0])
 def test_the_free_run_leaves_noise_and_answers_in_time(kind: str, windows_a_lag: float) -> None:
-    left = []
-    for seed in range(_DRAWS):
-        record, lag_s = _sampled(kind, windows_a_lag, seed)
-        found = identify_fast([record], FastOptions())
-        left.append(found.scores[0].rmse_free_run_rad_s / _NOISE_RAD_S)
-        linear = found.model.linear
-        # Ramps do not tell a lag from a dead time, and long windows neither.
-        answer_s = (time_constant_s(linear) or 0.0) + (dead_time_s(linear) or 0.0)
-        assert abs(answer_s - lag_s) < 0.3 * lag_s + 0.05 * lag_s / windows_a_lag
-    assert max(left) < 2.5
+    record, lag_s = _sampled(kind, windows_a_lag, 0)
+    found = identify_fast([record], FastOptions())
+    linear = found.model.linear
+    # Ramps do not tell a lag from a dead time, and long windows neither.
+    answer_s = (time_constant_s(linear) or 0.0) + (dead_time_s(linear) or 0.0)
+    assert abs(answer_s - lag_s) < 0.3 * lag_s + 0.05 * lag_s / windows_a_lag
+    assert found.scores[0].rmse_free_run_rad_s < 2.5 * _NOISE_RAD_S

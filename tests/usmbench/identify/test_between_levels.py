@@ -18,7 +18,7 @@ def test_a_curve_that_is_faster_than_both_levels_beside_is_nearer_where_it_is_he
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def off_shares() -> NDArray[np.float64]:
-        return np.array([off_share(seed, PHASES_DEG[0], ["default"])[0] for seed in range(6)])
+        return np.array([off_share(seed, PHASES_DEG[0], ["default"])[0] for seed in range(3)])
 
     held = off_shares()
     monkeypatch.setattr(

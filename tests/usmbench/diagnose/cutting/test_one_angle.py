@@ -34,17 +34,6 @@ def test_a_disc_is_named_from_runs_that_begin_at_other_angles(
     assert any("begins anew in each run" in warning for warning in found.warnings)
 
 
-def test_a_disc_is_seen_beside_a_direction_that_is_faster(model: HammersteinModel) -> None:
-    disc = (applied("encoder_eccentricity", "", cosine=0.02, sine=0.0),)
-    elsewhere = (applied("encoder_eccentricity", "", cosine=0.0, sine=0.02),)
-    faster = applied("gain_asymmetry", "forwards", gain=-0.035)
-    runs = [measured(3, *disc, faster), measured(4, *elsewhere, faster)]
-    found = diagnose(runs, model)
-    assert {cause.name for cause in found.causes} == {"gain_asymmetry", "encoder_eccentricity"}
-    assert found.verdict == "explained"
-    assert any("begins anew in each run" in warning for warning in found.warnings)
-
-
 @pytest.mark.parametrize("n", [300, 1000])
 def test_a_short_run_whose_phase_glides_is_shifted_to_a_long_one(
     model: HammersteinModel, n: int
@@ -61,17 +50,6 @@ def test_a_short_run_whose_phase_glides_is_shifted_to_a_long_one(
         if after.context.angle_rad is not None and before.context.angle_rad is not None
     ]
     assert by_rad[1] - by_rad[0] == pytest.approx(0.4 - 2.6, abs=0.3)
-
-
-def test_an_extended_model_knows_its_ripple_in_a_run_that_begins_elsewhere(
-    model: HammersteinModel,
-) -> None:
-    extended = diagnose([_eccentric(3, 0.012, 0.4)], model).extended
-    again = diagnose([_eccentric(5, 0.012, 2.9)], extended)
-    assert again.verdict == "no_discrepancy"
-    assert any("begins elsewhere" in warning for warning in again.warnings)
-    larger = diagnose([_eccentric(6, 0.02, 1.0)], extended)
-    assert [cause.name for cause in larger.causes] == ["encoder_eccentricity"]
 
 
 def test_what_another_effect_leaves_is_no_ripple(model: HammersteinModel) -> None:

@@ -1,64 +1,16 @@
 """Two causes of which neither is found alone."""
 
-import numpy as np
 import pytest
 
-from known_motor import applied, driven, identified
-from usmbench.diagnose.cutting.stretches import Stretch
-from usmbench.diagnose.naming.pairs import hidden_pair
-from usmbench.diagnose.naming.ranking import rank
+from known_motor import applied, identified
+from tests.usmbench.diagnose.naming.offset_runs import cut_run, offset
 from usmbench.diagnose.pipeline import searched
-from usmbench.diagnose.residual.own_effects import cut_beside_own
-from usmbench.model.applied import Applied
-from usmbench.model.effects.registry import library
 from usmbench.model.hammerstein import HammersteinModel
-
-STEP_DEG = 360.0 / 256.0
-COARSE = applied("phase_quantisation", "cut off", step_deg=STEP_DEG)
 
 
 @pytest.fixture(scope="module")
 def model() -> HammersteinModel:
     return identified()
-
-
-def _offset(degrees: float) -> Applied:
-    return applied("phase_offset", "", offset_deg=degrees)
-
-
-def _stretches(model: HammersteinModel, *hidden: Applied, stairs: bool = False) -> list[Stretch]:
-    phase_deg = np.repeat(np.random.default_rng(8).uniform(-88.0, 88.0, 240), 5)
-    if stairs:
-        up_deg = np.linspace(-88.0, 88.0, 23)
-        phase_deg = np.repeat(np.concatenate([up_deg, up_deg[::-1]]), 25)
-    return cut_beside_own([driven(phase_deg, 41, *hidden)], model)[0]
-
-
-@pytest.mark.parametrize("offset_deg", [-0.6, 0.8])
-def test_a_register_and_an_offset_are_both_named(
-    model: HammersteinModel, offset_deg: float
-) -> None:
-    found = searched(_stretches(model, COARSE, _offset(offset_deg)), model)
-    values = {a.effect.name: a.values for a in found.fit.effects}
-    assert sorted(found.names) == ["phase_offset", "phase_quantisation"]
-    assert values["phase_quantisation"]["step_deg"] == pytest.approx(STEP_DEG, rel=5e-3)
-    assert values["phase_offset"]["offset_deg"] == pytest.approx(offset_deg, abs=0.02)
-
-
-@pytest.mark.parametrize(
-    ("step_deg", "one_sided_rad_s"), [(0.71, -0.05), (1.13, -0.14), (2.06, 0.14)]
-)
-def test_a_weight_that_makes_up_for_half_a_step_is_named_beside_the_register(
-    model: HammersteinModel, step_deg: float, one_sided_rad_s: float
-) -> None:
-    """Alone the register then looks like another form of itself, or like none."""
-    register = applied("phase_quantisation", "cut off", step_deg=step_deg)
-    weight = applied("load_torque", "weight", one_sided_rad_s=one_sided_rad_s)
-    found = searched(_stretches(model, register, weight), model)
-    values = {a.effect.name: a.values for a in found.fit.effects}
-    assert sorted(found.names) == ["load_torque", "phase_quantisation"]
-    assert values["phase_quantisation"]["step_deg"] == pytest.approx(step_deg, rel=5e-3)
-    assert values["load_torque"]["one_sided_rad_s"] == pytest.approx(one_sided_rad_s, abs=5e-3)
 
 
 @pytest.mark.parametrize(
@@ -70,32 +22,8 @@ def test_an_offset_and_teeth_that_lean_are_both_named(
     model: HammersteinModel, offset_deg: float, asymmetry: float
 ) -> None:
     lean = applied("gain_asymmetry", "balanced", asymmetry=asymmetry)
-    found = searched(_stretches(model, _offset(offset_deg), lean, stairs=True), model)
+    found = searched(cut_run(model, offset(offset_deg), lean, stairs=True), model)
     values = {a.effect.name: a.values for a in found.fit.effects}
     assert sorted(found.names) == ["gain_asymmetry", "phase_offset"]
     assert values["phase_offset"]["offset_deg"] == pytest.approx(offset_deg, abs=0.02)
     assert values["gain_asymmetry"]["asymmetry"] == pytest.approx(asymmetry, abs=1e-3)
-
-
-@pytest.mark.parametrize(
-    ("hidden", "stairs"),
-    [
-        ((), True),
-        ((_offset(0.7),), True),
-        ((COARSE,), False),
-        ((applied("unsigned_counts", ""),), False),
-        ((applied("coupling_backlash", "", gap_rad=0.02),), False),
-        ((applied("load_torque", "weight", one_sided_rad_s=-0.1),), True),
-    ],
-    ids=["nothing", "an offset", "a register", "unsigned counts", "backlash", "a weight"],
-)
-def test_what_is_one_cause_is_no_pair(
-    model: HammersteinModel, hidden: tuple[Applied, ...], stairs: bool
-) -> None:
-    problem = searched(_stretches(model, *hidden, stairs=stairs), model).problem
-    effects = [
-        e
-        for e in library()
-        if not e.sporadic and e.untestable([s.context for s in problem.stretches]) is None
-    ]
-    assert hidden_pair(problem, rank(problem, effects, 1.0), effects, 1.0) is None

@@ -13,11 +13,8 @@ from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.naming.sporadic import find_sporadic, left_unnamed
 from usmbench.diagnose.noise.rotor_states import whole_count_rad_s
 from usmbench.diagnose.pipeline import diagnose
-from usmbench.diagnose.reference import with_knowledge
 from usmbench.diagnose.residual.problem import Problem
-from usmbench.identify.fast import FastOptions, identify_fast
 from usmbench.model.applied import Applied
-from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.replay import replay_record
 from usmbench.runs.record import Record
 
@@ -153,45 +150,6 @@ def test_windows_too_few_for_a_cause_are_not_left_unsaid(n_off: int, told: bool)
         assert f"not judged: 2, off by up to {25.0 * NOISE_RAD_S:.1g}" in warned[0]
 
 
-@pytest.mark.parametrize("times_noise", [12.0, 0.0])
-def test_a_day_of_another_gain_hides_no_lone_windows(
-    wandering: HammersteinModel, times_noise: float
-) -> None:
-    record = measured(11, n=4000)
-    off = np.zeros(record.speed_rad_s.size)
-    off[54::400] = times_noise * NOISE_RAD_S
-    faster = 1.01 * record.speed_rad_s
-    found = diagnose([replace(record, speed_rad_s=faster + off)], wandering)
-    assert [cause.name for cause in found.causes] == ["count_glitches"] * (times_noise > 0.0)
-
-
-@pytest.fixture(scope="module")
-def wandering() -> HammersteinModel:
-    """Return the model of a motor whose gain is another each day."""
-    days = {1: -0.01, 2: 0.008, 101: 0.004, 102: -0.003}
-    runs = [
-        replace(run, speed_rad_s=(1.0 + days[seed]) * run.speed_rad_s)
-        for seed, run in ((seed, measured(seed)) for seed in days)
-    ]
-    return with_knowledge(identify_fast(runs, FastOptions(12)).model, runs)
-
-
-@pytest.mark.parametrize(("times_noise", "most"), [(40.0, True), (12.0, False)])
-def test_where_something_has_no_name_lone_windows_are_told_too(
-    times_noise: float, *, most: bool
-) -> None:
-    model, record = identified(), measured(25)
-    slower = 0.2 * np.exp(-((np.abs(record.speed_rad_s) - 5.0) ** 2)) * np.sign(record.speed_rad_s)
-    off = np.zeros(record.speed_rad_s.size)
-    off[502::100] = times_noise * NOISE_RAD_S
-    found = diagnose([replace(record, speed_rad_s=record.speed_rad_s - slower + off)], model)
-    names = [cause.name for cause in found.causes]
-    told = bool([w for w in found.warnings if "stand alone" in w])
-    assert (found.verdict, names, told) == (
-        ("partly_explained", ["count_glitches"], False) if most else ("unexplained", [], True)
-    )
-
-
 @pytest.mark.parametrize(
     ("spread", "above_rad_s", "told"),
     [(1.0, None, True), (1.0, 9.9, True), (1.0, 1.0, False), (4.0, None, False)],
@@ -275,19 +233,6 @@ def test_what_no_late_command_makes_is_a_false_count_wherever_it_strikes(
         assert sporadic.named.name == "count_glitches"
         rate_hz = sporadic.applied.values["rate_hz"]
         assert rate_hz == pytest.approx(n_hit / (record.t_s.size * 0.01), rel=0.6)
-
-
-@pytest.mark.parametrize("seed", range(2))
-def test_false_counts_may_strike_mostly_where_the_motor_moves(seed: int) -> None:
-    rows = np.arange(2000)
-    phase_deg = 80.0 * np.sin(2.0 * np.pi * rows / 47.3)
-    record, rng = driven(phase_deg, 6), np.random.default_rng(seed)
-    off = 20.0 * NOISE_RAD_S * rng.choice([-1.0, 1.0], rows.size) * (rng.random(rows.size) < 0.02)
-    found = diagnose([replace(record, speed_rad_s=record.speed_rad_s + off)], identified())
-    assert (found.verdict, [cause.name for cause in found.causes]) == (
-        "explained",
-        ["count_glitches"],
-    )
 
 
 def test_nobody_foresees_a_false_count_so_naming_it_gains_nothing() -> None:

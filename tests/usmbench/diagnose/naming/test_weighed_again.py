@@ -2,17 +2,16 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
-from known_motor import applied, driven, identified, measured
+from known_motor import applied, identified, measured
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.refining import refine
 from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.naming.ranking import Ranked, alternatives
 from usmbench.diagnose.naming.stepwise import Named
 from usmbench.diagnose.naming.weighed_again import weighed_again
-from usmbench.diagnose.pipeline import diagnose, searched
+from usmbench.diagnose.pipeline import searched
 from usmbench.diagnose.residual.own_effects import cut_beside_own
 from usmbench.model.applied import Applied
 
@@ -83,20 +82,6 @@ def test_a_rival_is_as_sure_as_what_it_brings_beside_the_others(found: Found) ->
     again = weighed_again(Named(found.problem, [[delay], [scale, crystal]], scale.fit, 1.0))
     assert [r.effect.name for r in again.rankings[1]] == ["speed_scale", "crystal_error"]
     assert again.rankings[1][1].p_value < 1e-9
-
-
-def test_no_rival_is_rebuilt_by_a_gain_that_wanders_far_beyond_chance() -> None:
-    """In a motor that shows the hysteresis, a speed of nothing and another gain look like it."""
-    known = {**identified().residual["diagnosis"], "gain": 0.01}
-    wandering = replace(identified(), residual={**identified().residual, "diagnosis": known})
-    rng, share = np.random.default_rng(6), np.arange(3000) / 3000.0
-    waves = [np.cos(2.0 * np.pi * (k * share + rng.uniform())) for k in range(3, 60)]
-    phase_deg = np.round(85.0 * sum(waves) / np.max(np.abs(sum(waves))), 1)
-    sticks = applied("dead_zone_hysteresis", "sticking", start_later_deg=20.0)
-    grid = applied("phase_quantisation", "cut off", step_deg=1.3424)
-    causes = diagnose([driven(phase_deg, 1, sticks, grid)], wandering).causes
-    assert [c.name for c in causes] == ["dead_zone_hysteresis", "phase_quantisation"]
-    assert [c.alternatives for c in causes] == [(), ()]
 
 
 @pytest.mark.parametrize("without", [0.0, 490.0])

@@ -54,7 +54,7 @@ def _of_staircases(colour: float, windows_a_level: int, seed: int) -> tuple[floa
     windows_a_level=st.integers(4, 30),
     seed=st.integers(0, 1000),
 )
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=3, deadline=None)
 def test_the_noise_of_a_staircase_is_what_it_was_before_its_levels_were_fitted(
     colour: float, windows_a_level: int, seed: int
 ) -> None:

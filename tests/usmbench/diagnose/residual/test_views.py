@@ -14,7 +14,7 @@ from usmbench.diagnose.residual.views import residual_views
 from usmbench.model.hammerstein import HammersteinModel
 
 
-@pytest.mark.parametrize("feedback", [0.0, 0.6, 0.9, -0.5])
+@pytest.mark.parametrize("feedback", [0.0, 0.9])
 def test_noise_keeps_within_the_band_in_19_of_20_runs(
     model: HammersteinModel, stretches: list[Stretch], feedback: float
 ) -> None:

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import known_motor
-from known_motor import UP_AND_DOWN_DEG, applied, driven, identified
+from known_motor import driven, identified
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.model.effects.base import Effect
 from usmbench.model.effects.context import Context
@@ -191,23 +191,6 @@ def test_each_way_starts_as_late_as_alone() -> None:
     assert np.any((backwards != settled) & (settled < 0.0))
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_starts_that_take_more_one_way_than_the_other_have_one_name(seed: int) -> None:
-    rng = np.random.default_rng([seed, 4])
-    forwards_deg, backwards_deg = rng.permutation([rng.uniform(3.0, 5.0), rng.uniform(8.0, 12.0)])
-    hidden = applied(
-        "dead_zone_hysteresis",
-        "sticking, each way its own",
-        forwards_later_deg=forwards_deg,
-        backwards_later_deg=backwards_deg,
-    )
-    phase_deg = np.repeat(rng.uniform(-60.0, 60.0, 300), 5)
-    (cause,) = diagnose([driven(phase_deg, seed, hidden)], identified()).causes
-    assert (cause.name, cause.form) == ("dead_zone_hysteresis", "sticking, each way its own")
-    found = [p.value for p in cause.parameters]
-    assert found == pytest.approx([forwards_deg, backwards_deg], abs=1.2)
-
-
 def _behind_deg(phase_deg: np.ndarray, width_deg: float) -> np.ndarray:
     """Return the phases behind a gap, from the flank of the first move on."""
     first = np.sign(np.diff(phase_deg)[np.flatnonzero(np.diff(phase_deg))[0]])
@@ -226,11 +209,3 @@ def test_a_play_is_that_of_each_window_after_the_other(seed: int, width_deg: flo
     found = Play().apply(settled, context, {"width_deg": width_deg})
     wanted = CURVE.speed_rad_s(_behind_deg(phase_deg, width_deg))
     assert np.allclose(found, wanted, atol=1e-6)
-
-
-def test_a_motor_that_leads_has_no_hysteresis() -> None:
-    healthy = driven(np.tile(np.repeat(UP_AND_DOWN_DEG, 2), 7), 3)
-    early = replace(healthy, speed_rad_s=np.roll(healthy.speed_rad_s, -1))
-    found = diagnose([early], identified())
-    assert "dead_zone_hysteresis" not in [cause.name for cause in found.causes]
-    assert found.verdict in ("unexplained", "partly_explained")

@@ -10,6 +10,8 @@ from usmbench.model.linear import free_run
 from usmbench.runs.record import Record
 
 Array = NDArray[np.float64]
+
+
 _TOP_RAD_S, _WINDOWS = 10.4, 3000
 
 

@@ -1,0 +1,25 @@
+"""A model that was identified on speeds without sign is identified anew with the loss in place."""
+
+import numpy as np
+import pytest
+
+from tests.usmbench.diagnose.anew.counted_shaft import (
+    PLAIN,
+    counted_run,
+    diagnosed,
+)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_short_and_noisy_runs_show_the_loss_too(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    n, noise_rad_s = int(rng.integers(300, 500)), rng.uniform(0.02, 0.1)
+    found = diagnosed(counted_run(seed, [PLAIN], rng.uniform(0.5, 1.0), n, noise_rad_s))
+    assert [cause.name for cause in found.causes] == ["unsigned_counts"]
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_motor_that_stands_still_one_way_is_not_called_blind(seed: int) -> None:
+    # Its counter tells which way: a blind one would fold what the belt swings back.
+    found = diagnosed(counted_run(seed, [], backwards=0.0))
+    assert not found.causes
