@@ -106,7 +106,8 @@ class Joint:
         """
         left = self._problem.left_rad_s(self.applied(theta))
         signals = [np.concatenate(signal) for signal in (left, *self._slopes_rad_s(theta))]
-        products = self._problem.products(np.column_stack(signals))
+        pulled = self._problem.pulled(np.column_stack(signals))
+        products = pulled.products(pulled)
         return products[1:, 1:], products[1:, 0]
 
     def jacobian(self, theta: Array) -> Array:

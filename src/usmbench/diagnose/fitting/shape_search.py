@@ -86,7 +86,7 @@ class ShapeSearch(WeighedShapes):
             The path, of an effect that nothing sizes.
         """
         n = self._problem.n_rows
-        deviance = float(self._problem.products(self._left_rad_s[:, None])[0, 0])
+        deviance = float(self._left.products(self._left)[0, 0])
         beyond = max(deviance - n, 0.0) + _SIGMAS * math.sqrt(2.0 * n)
         reach = (2.0 * (math.sqrt(beyond) + _SIGMAS)) ** 2
         probes = shapes[::_PROBED]

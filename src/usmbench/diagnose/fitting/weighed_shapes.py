@@ -43,10 +43,10 @@ class Tried:
     turned: float
 
 
-def _angle_rad(products: Array, one: int, other: int) -> float:
+def _angle_rad(square: float, other: float, product: float) -> float:
     """Angle between two changes whichever way they point, by their products; of none 0."""
-    sizes = math.sqrt(max(products[one, one], 0.0) * products[other, other])
-    return 0.0 if sizes <= _NOTHING else math.acos(min(abs(products[one, other]) / sizes, 1.0))
+    sizes = math.sqrt(max(other, 0.0) * square)
+    return 0.0 if sizes <= _NOTHING else math.acos(min(abs(product) / sizes, 1.0))
 
 
 def _solved(normal: Array, slope: Array) -> list[float]:
@@ -73,7 +73,7 @@ class WeighedShapes:
 
     def __init__(self, problem: Problem, effect: Effect, given: tuple[Applied, ...]):
         self._problem, self._effect, self._given = problem, effect, given
-        self._left_rad_s = np.concatenate(problem.left_rad_s(given))
+        self._left = problem.pulled(np.concatenate(problem.left_rad_s(given))[:, None])
         self._simulated_rad_s = np.concatenate([s.simulated_rad_s for s in problem.stretches])
         self._before_rad_s = self._simulated_rad_s
         if given:
@@ -127,25 +127,27 @@ class WeighedShapes:
             As in `changes_rad_s`.
         """
         nulls, each = {q.name: q.null for q in sized}, max(len(sized), 1)
-        last = np.zeros_like(self._left_rad_s)
+        last, last_square = self._left, 0.0
         for at in range(0, len(shapes), _AT_ONCE):
             chunk = shapes[at : at + _AT_ONCE]
             points = [
                 {**shape, **nulls, p.name: p.null + p.typical} for shape in chunk for p in sized
             ]
-            changes = self.changes_rad_s(points or chunk, alone=alone)
-            products = self._problem.products(np.column_stack([self._left_rad_s, last, changes]))
-            per = np.array([1.0, 1.0, *([p.typical for p in sized] or [1.0]) * len(chunk)])
-            products /= np.outer(per, per)
-            before = 1
+            changed = self._problem.pulled(self.changes_rad_s(points or chunk, alone=alone))
+            per = np.array(([p.typical for p in sized] or [1.0]) * len(chunk))
+            products = changed.products(changed) / np.outer(per, per)
+            slopes = changed.products(self._left)[:, 0] / per
+            beside, latest = changed.products(last)[:, 0] / (per * per[0]), None
             for k, shape in enumerate(chunk):
-                own = slice(2 + k * each, 2 + (k + 1) * each)
-                normal, slope = products[own, own], products[own, 0]
+                own = slice(k * each, (k + 1) * each)
+                normal, first = products[own, own], own.start
                 square, turned = float(normal[0, 0]), 0.0
                 if square > _NOTHING:
-                    turned = _angle_rad(products, before, own.start)
-                    before, last = own.start, changes[:, k * each]
-                yield Tried(*self._sized(shape, sized, normal, slope), square, turned)
+                    turned = _angle_rad(square, last_square, beside[first])
+                    beside, last_square, latest = products[:, first], square, first
+                yield Tried(*self._sized(shape, sized, normal, slopes[own]), square, turned)
+            if latest is not None:
+                last = changed.one(latest)
 
     def _sized(
         self, shape: Mapping[str, float], sized: Sequence[Parameter], normal: Array, slope: Array

@@ -19,6 +19,42 @@ _HIDDEN = 0.05  # share of the noise's variance below which a shape's own does n
 
 
 @dataclass(frozen=True, slots=True)
+class Pulled:
+    """Residuals by what their products take: less than to carry them.
+
+    Parameters
+    ----------
+    white
+        With the noise whitened, shape (R, M).
+    taken
+        What is no news takes of them, along each of its ways, shape (K, M).
+    """
+
+    white: Array
+    taken: Array
+
+    def products(self, other: "Pulled") -> Array:
+        """Return the products of these residuals, carried, with others, shape (M, L).
+
+        Parameters
+        ----------
+        other
+            L residuals.
+        """
+        return np.asarray(self.white.T @ other.white - self.taken.T @ other.taken)
+
+    def one(self, k: int) -> "Pulled":
+        """Return one of them.
+
+        Parameters
+        ----------
+        k
+            Which.
+        """
+        return Pulled(self.white[:, k : k + 1].copy(), self.taken[:, k : k + 1])
+
+
+@dataclass(frozen=True, slots=True)
 class Carrier:
     """The rows that count, and on them what is no news, as far as it exceeds the noise.
 
@@ -87,22 +123,16 @@ class Carrier:
         white, pull = self._pulled(signal)
         return float(white @ white - pull @ (pull / self.tension))
 
-    def products(self, signal: Array) -> Array:
-        """Return the products of carried residuals with each other, which takes less time.
+    def pulled(self, signal: Array) -> Pulled:
+        """Return residuals by what their products take.
 
         Parameters
         ----------
         signal
             The residuals on all rows, in rad/s, shape (N, M).
-
-        Returns
-        -------
-        Array
-            Shape (M, M).
         """
         white, pull = self._pulled(signal)
-        beta = pull / np.sqrt(self.tension)[:, None]
-        return np.asarray(white.T @ white - beta.T @ beta)
+        return Pulled(white, pull / np.sqrt(self.tension)[:, None])
 
     def departed(self, signal: Array) -> Array:
         """Return by how much each of the shapes most likely departs, shape (S,).

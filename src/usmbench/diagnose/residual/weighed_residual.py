@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from usmbench.diagnose.cutting.stretches import Mask, Stretch
 from usmbench.diagnose.noise.noise_model import Noise
 from usmbench.diagnose.noise.whitening import memory_rows
+from usmbench.diagnose.residual.carrier import Pulled
 from usmbench.diagnose.residual.covariance import Covariance
 
 Array = NDArray[np.float64]
@@ -126,15 +127,15 @@ class WeighedResidual:
         """
         return self._carrier.square(np.concatenate(signal))
 
-    def products(self, signals: Array) -> Array:
-        """Return the products of carried residuals with each other, shape (K, K).
+    def pulled(self, signals: Array) -> Pulled:
+        """Return residuals by what the products of them, carried, take.
 
         Parameters
         ----------
         signals
             K residuals, in rad/s, stretch after stretch, shape (N, K).
         """
-        return self._carrier.products(signals)
+        return self._carrier.pulled(signals)
 
     def _judge(self, masks: Sequence[Mask]) -> None:
         """Take the rows that count."""

@@ -113,7 +113,9 @@ def test_products_are_those_of_carried_residuals(
     signals = [[rng.standard_normal(s.context.n) for s in twice] for _ in range(3)]
     carried = np.array([problem.carried(signal) for signal in signals])
     joined = np.column_stack([np.concatenate(signal) for signal in signals])
-    np.testing.assert_allclose(problem.products(joined), carried @ carried.T, atol=1e-8)
+    pulled = problem.pulled(joined)
+    np.testing.assert_allclose(pulled.products(pulled), carried @ carried.T, atol=1e-8)
+    np.testing.assert_allclose(pulled.one(1).products(pulled), carried[1:2] @ carried.T, atol=1e-8)
 
 
 def test_a_problem_weighed_anew_is_one_made_anew(
