@@ -137,6 +137,7 @@ class WeighedShapes:
             per = np.array(([p.typical for p in sized] or [1.0]) * len(chunk))
             products = changed.products(changed) / np.outer(per, per)
             slopes = changed.products(self._left)[:, 0] / per
+            # The last one, too, was a change by the first size's typical value.
             beside, latest = changed.products(last)[:, 0] / (per * per[0]), None
             for k, shape in enumerate(chunk):
                 own = slice(k * each, (k + 1) * each)
