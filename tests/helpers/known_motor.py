@@ -51,6 +51,12 @@ def applied(name: str, form: str, **values: float) -> Applied:
     return Applied(find_effect(name, form), values)
 
 
+def eccentric(seed: int, share: float, phase_rad: float) -> Record:
+    """Return a run whose disc is off centre."""
+    cosine, sine = share * np.cos(phase_rad), share * np.sin(phase_rad)
+    return measured(seed, applied("encoder_eccentricity", "", cosine=cosine, sine=sine))
+
+
 @cache
 def identified() -> HammersteinModel:
     """Return the model that four healthy runs give: two do not tell how far a third may differ."""

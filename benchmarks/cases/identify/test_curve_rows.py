@@ -1,4 +1,4 @@
-"""On which samples a curve is chosen."""
+"""Samples that glide between dwells bring a curve nearer to the motor's."""
 
 import numpy as np
 import pytest

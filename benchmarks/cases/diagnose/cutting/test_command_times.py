@@ -6,19 +6,17 @@ import pytest
 from known_motor import WINDOW_S, applied, driven, identified
 from tests.usmbench.diagnose.cutting.uneven_dwells import (
     dwelling_run,
+    known_dwelling,
 )
 from usmbench.diagnose.cutting.command_times import keeps_own_time
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.pipeline import diagnose
-from usmbench.diagnose.reference import with_knowledge
-from usmbench.identify.fast import FastOptions, identify_fast
 from usmbench.model.hammerstein import HammersteinModel
 
 
 @pytest.fixture(scope="module")
 def model() -> HammersteinModel:
-    run = dwelling_run(1)
-    return with_knowledge(identify_fast([run], FastOptions()).model, [run])
+    return known_dwelling()
 
 
 @pytest.mark.parametrize("seed", range(2, 4))

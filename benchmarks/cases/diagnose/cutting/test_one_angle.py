@@ -1,16 +1,8 @@
 """Two runs of one disc that begin at other angles."""
 
-import numpy as np
-
-from known_motor import applied, measured
+from known_motor import applied, eccentric, measured
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.model.hammerstein import HammersteinModel
-from usmbench.runs.record import Record
-
-
-def _eccentric(seed: int, share: float, phase_rad: float) -> Record:
-    cosine, sine = share * np.cos(phase_rad), share * np.sin(phase_rad)
-    return measured(seed, applied("encoder_eccentricity", "", cosine=cosine, sine=sine))
 
 
 def test_a_disc_is_seen_beside_a_direction_that_is_faster(model: HammersteinModel) -> None:
@@ -27,9 +19,9 @@ def test_a_disc_is_seen_beside_a_direction_that_is_faster(model: HammersteinMode
 def test_an_extended_model_knows_its_ripple_in_a_run_that_begins_elsewhere(
     model: HammersteinModel,
 ) -> None:
-    extended = diagnose([_eccentric(3, 0.012, 0.4)], model).extended
-    again = diagnose([_eccentric(5, 0.012, 2.9)], extended)
+    extended = diagnose([eccentric(3, 0.012, 0.4)], model).extended
+    again = diagnose([eccentric(5, 0.012, 2.9)], extended)
     assert again.verdict == "no_discrepancy"
     assert any("begins elsewhere" in warning for warning in again.warnings)
-    larger = diagnose([_eccentric(6, 0.02, 1.0)], extended)
+    larger = diagnose([eccentric(6, 0.02, 1.0)], extended)
     assert [cause.name for cause in larger.causes] == ["encoder_eccentricity"]

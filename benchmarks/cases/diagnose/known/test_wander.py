@@ -20,8 +20,6 @@ from usmbench.model.linear import free_run
 from usmbench.runs.record import Record
 
 Array = NDArray[np.float64]
-
-
 N = 1200
 
 

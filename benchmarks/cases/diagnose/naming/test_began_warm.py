@@ -4,17 +4,14 @@ from dataclasses import replace
 
 import pytest
 
-from tests.usmbench.diagnose.naming.warming_motor import LOSES, driven
+from tests.usmbench.diagnose.naming.warming_motor import LOSES, driven, known_cold
 from usmbench.diagnose.pipeline import diagnose
-from usmbench.diagnose.reference import with_knowledge
-from usmbench.identify.fast import FastOptions, identify_fast
 from usmbench.model.hammerstein import HammersteinModel
 
 
 @pytest.fixture(scope="module")
 def model() -> HammersteinModel:
-    cold = [driven(k) for k in range(5)]
-    return with_knowledge(identify_fast(cold, FastOptions(12)).model, cold)
+    return known_cold()
 
 
 def test_a_drag_is_named_beside_a_warm_start(model: HammersteinModel) -> None:

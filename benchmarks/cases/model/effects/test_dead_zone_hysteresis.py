@@ -1,4 +1,4 @@
-"""The widths at which a sticking rotor is looked for."""
+"""Starts that differ by direction have one name; a motor that leads has no hysteresis."""
 
 from dataclasses import replace
 

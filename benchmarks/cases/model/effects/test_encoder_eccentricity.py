@@ -1,4 +1,4 @@
-"""An eccentric disc, where the angle is the shaft's and where the disc has counted it."""
+"""A disc that is off centre beside one that is tilted."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""A torque where the curve leaves the dead zone gradually."""
+"""A torque on a motor that leaves its dead zone gradually."""
 
 from dataclasses import replace
 

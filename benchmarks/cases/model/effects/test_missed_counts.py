@@ -1,4 +1,4 @@
-"""How many counts are lost above some speed, and from which speed on."""
+"""Counts that are lost by chance, more the faster the motor turns."""
 
 from dataclasses import replace
 

@@ -1,7 +1,4 @@
-"""A soft shaft moves as its differential equation says, averaged over windows.
-
-The rotor follows held speeds with a lag; the effect sees its means over windows alone.
-"""
+"""A soft shaft whose coupling damps is named alone."""
 
 import math
 from dataclasses import replace

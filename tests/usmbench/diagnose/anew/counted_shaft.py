@@ -17,8 +17,6 @@ from usmbench.model.linear import free_run
 from usmbench.runs.record import Record
 
 Array = NDArray[np.float64]
-
-
 WINDOW_S, NOISE_RAD_S = 0.02, 0.02
 
 

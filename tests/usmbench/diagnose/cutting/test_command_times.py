@@ -12,12 +12,11 @@ from tests.usmbench.diagnose.cutting.uneven_dwells import (
     Array,
     commanded_deg,
     dwelling_run,
+    known_dwelling,
 )
 from usmbench.diagnose.cutting.command_times import between_windows, keeps_own_time
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.pipeline import diagnose
-from usmbench.diagnose.reference import with_knowledge
-from usmbench.identify.fast import FastOptions, identify_fast
 from usmbench.model.hammerstein import HammersteinModel
 
 
@@ -27,8 +26,7 @@ def _changes(phase_deg: Array) -> NDArray[np.int64]:
 
 @pytest.fixture(scope="module")
 def model() -> HammersteinModel:
-    run = dwelling_run(1)
-    return with_knowledge(identify_fast([run], FastOptions()).model, [run])
+    return known_dwelling()
 
 
 @given(

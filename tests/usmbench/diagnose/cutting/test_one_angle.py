@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from known_motor import applied, driven, identified, measured
+from known_motor import applied, driven, eccentric, identified, measured
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.one_angle import at_one_angle
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.model.hammerstein import HammersteinModel
-from usmbench.runs.record import Record
 
 
 @pytest.fixture(scope="module")
@@ -16,16 +15,11 @@ def model() -> HammersteinModel:
     return identified()
 
 
-def _eccentric(seed: int, share: float, phase_rad: float) -> Record:
-    cosine, sine = share * np.cos(phase_rad), share * np.sin(phase_rad)
-    return measured(seed, applied("encoder_eccentricity", "", cosine=cosine, sine=sine))
-
-
 @pytest.mark.parametrize("apart_rad", [1.2, 3.1, -2.0])
 def test_a_disc_is_named_from_runs_that_begin_at_other_angles(
     model: HammersteinModel, apart_rad: float
 ) -> None:
-    runs = [_eccentric(3, 0.012, 0.4), _eccentric(4, 0.012, 0.4 + apart_rad)]
+    runs = [eccentric(3, 0.012, 0.4), eccentric(4, 0.012, 0.4 + apart_rad)]
     found = diagnose(runs, model)
     (cause,) = found.causes
     assert cause.name == "encoder_eccentricity"
@@ -40,7 +34,7 @@ def test_a_short_run_whose_phase_glides_is_shifted_to_a_long_one(
 ) -> None:
     gliding_deg = 88.0 * np.sin(2.0 * np.pi * np.arange(n) / 200.0)
     disc = applied("encoder_eccentricity", "", cosine=0.012 * np.cos(2.6), sine=0.012 * np.sin(2.6))
-    runs = [_eccentric(3, 0.012, 0.4), driven(gliding_deg, 4, disc)]
+    runs = [eccentric(3, 0.012, 0.4), driven(gliding_deg, 4, disc)]
     stretches, _ = cut_runs(runs, model, ())
     turned, warnings = at_one_angle(stretches)
     assert len(warnings) == 1
@@ -63,7 +57,7 @@ def test_what_another_effect_leaves_is_no_ripple(model: HammersteinModel) -> Non
 def test_runs_without_a_ripple_or_of_different_discs_stay_as_they_are(
     model: HammersteinModel, shares: tuple[float, float]
 ) -> None:
-    runs = [_eccentric(seed, share, seed) for seed, share in enumerate(shares, start=3)]
+    runs = [eccentric(seed, share, seed) for seed, share in enumerate(shares, start=3)]
     stretches, _ = cut_runs(runs, model, ())
     turned, warnings = at_one_angle(stretches)
     assert warnings == []
@@ -72,7 +66,7 @@ def test_runs_without_a_ripple_or_of_different_discs_stay_as_they_are(
 
 
 def test_runs_that_begin_alike_stay_as_they_are(model: HammersteinModel) -> None:
-    stretches, _ = cut_runs([_eccentric(seed, 0.012, 0.4) for seed in (3, 4)], model, ())
+    stretches, _ = cut_runs([eccentric(seed, 0.012, 0.4) for seed in (3, 4)], model, ())
     turned, warnings = at_one_angle(stretches)
     assert warnings == []
     for before, after in zip(stretches, turned, strict=True):

@@ -5,19 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.usmbench.diagnose.naming.warming_motor import driven
+from tests.usmbench.diagnose.naming.warming_motor import driven, known_cold
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.pipeline import diagnose
-from usmbench.diagnose.reference import with_knowledge
-from usmbench.identify.fast import FastOptions, identify_fast
 from usmbench.model.hammerstein import HammersteinModel
 
 
 @pytest.fixture(scope="module")
 def model() -> HammersteinModel:
-    cold = [driven(k) for k in range(5)]
-    return with_knowledge(identify_fast(cold, FastOptions(12)).model, cold)
+    return known_cold()
 
 
 def test_each_run_that_may_have_begun_warm_may_have_begun_otherwise(

@@ -1,8 +1,13 @@
 """A motor that loses speed as it warms, and runs that begin cold or warm."""
 
+from functools import cache
+
 import numpy as np
 
 from known_motor import CURVE, LINEAR, NOISE_RAD_S, WINDOW_S
+from usmbench.diagnose.reference import with_knowledge
+from usmbench.identify.fast import FastOptions, identify_fast
+from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.linear import free_run
 from usmbench.runs.record import Record
 
@@ -22,3 +27,10 @@ def driven(
     speed = free_run(LINEAR, settled, float(settled[0]))
     noisy = speed + NOISE_RAD_S * rng.standard_normal(t_s.size)
     return Record(f"run {seed}", t_s, phase_deg, noisy, np.full(t_s.size, WINDOW_S))
+
+
+@cache
+def known_cold() -> HammersteinModel:
+    """Return the model that five runs from cold give."""
+    cold = [driven(k) for k in range(5)]
+    return with_knowledge(identify_fast(cold, FastOptions(12)).model, cold)
