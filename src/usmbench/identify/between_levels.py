@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from usmbench.identify.like_phases import distinct_deg
 from usmbench.model.bernstein import bernstein_basis
+from usmbench.model.effects.later_start import STANDING
 from usmbench.model.hammerstein import StaticCurve
 from usmbench.model.inverse_map import bezier_abscissa
 
@@ -53,6 +54,9 @@ class Levels:
     def holds(self, curve: StaticCurve) -> bool:
         """Return whether a curve stays between the speeds at both ends of each gap.
 
+        Where the rotor stands at one of them it turns against its phase otherwise, which no motor
+        does.
+
         Parameters
         ----------
         curve
@@ -61,14 +65,16 @@ class Levels:
         low_rad_s, high_rad_s = np.sort([self.speed_rad_s[:-1], self.speed_rad_s[1:]], axis=0)
         speed_rad_s = curve.speed_rad_s(self._between_deg.ravel()).reshape(self._between_deg.shape)
         off_rad_s = np.maximum(speed_rad_s - high_rad_s[:, None], low_rad_s[:, None] - speed_rad_s)
-        return bool(np.max(off_rad_s) <= _BEYOND * np.max(np.abs(self.speed_rad_s)))
+        beside = self._stands[1:] | self._stands[:-1]
+        most_rad_s = np.where(beside, STANDING, _BEYOND) * np.max(np.abs(self.speed_rad_s))
+        return bool(np.all(off_rad_s <= most_rad_s[:, None]))
 
     def pull(self, knots_deg: Array) -> Array:
         """Return rows that pull a curve to the monotone cubic between the levels.
 
         They say by which share it has come from one level to the next, so that their outcome is 0
         wherever the levels are. The cubic is that of Fritsch and Butland (1984),
-        doi:10.1137/0905021.
+        doi:10.1137/0905021, but level where the rotor stands: that is within a dead zone.
 
         Parameters
         ----------
@@ -80,7 +86,9 @@ class Levels:
         Array
             Beside one sample, shape (P, d + 1).
         """
-        cubic = PchipInterpolator(self.phase_deg, self.speed_rad_s)(self._between_deg)
+        slope = PchipInterpolator(self.phase_deg, self.speed_rad_s).derivative()(self.phase_deg)
+        slope[self._stands] = 0.0
+        cubic = CubicHermiteSpline(self.phase_deg, self.speed_rad_s, slope)(self._between_deg)
         here, there = self.speed_rad_s[:-1, None], self.speed_rad_s[1:, None]
         step = np.where(there == here, 1.0, there - here)
         share = np.where(there == here, _SHARES, (cubic - here) / step).ravel()[:, None]
@@ -91,6 +99,12 @@ class Levels:
         )
         rows = between - (1.0 - share) * at[left] - share * at[left + 1]
         return np.asarray(_WEIGHT / np.sqrt(_SHARES.size) * rows)
+
+    @property
+    def _stands(self) -> NDArray[np.bool_]:
+        """Whether the rotor stands at a level, shape (M,)."""
+        size_rad_s = np.abs(self.speed_rad_s)
+        return np.asarray(size_rad_s < STANDING * np.max(size_rad_s))
 
     @property
     def _between_deg(self) -> Array:
