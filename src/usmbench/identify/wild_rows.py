@@ -11,15 +11,16 @@ _NEARLY_ALL, WILD_TIMES = 0.99, 5.0  # of the rows; times their speed
 
 
 def wild_rows(record: Record) -> Mask:
-    """Return the rows that are far faster than nearly all others, shape (N,).
+    """Return the rows that are far faster than nearly all that were driven, shape (N,).
 
     Parameters
     ----------
     record
         The run.
     """
-    size = np.abs(record.speed_rad_s)
-    usual = float(np.quantile(size, _NEARLY_ALL))
+    size, driven = np.abs(record.speed_rad_s), record.driven
+    turned = size if driven is None or not driven.any() else size[driven]
+    usual = float(np.quantile(turned, _NEARLY_ALL))
     wild: Mask = size > WILD_TIMES * usual if usual > 0.0 else np.zeros(size.size, dtype=np.bool_)
     return wild
 

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from usmbench.runs.columns import DRIVE_COLUMN
 from usmbench.runs.record import Column, Pairs
 
 # Without a settled column: the part of a dwell taken for settling, whatever its length.
@@ -19,15 +20,16 @@ def derive_pairs(
 ) -> Pairs | None:
     """Average the settled windows of every dwell.
 
-    A dwell is a stretch of windows with the same phase, frequency, torque and sweep.
+    A dwell is a stretch of windows with the same phase, frequency, torque, sweep and drive; one
+    without drive, or of a warm-up, has no pair.
 
     Parameters
     ----------
     t_s, phase_deg, speed_rad_s
         Columns of the windows, shape (N,).
     optional
-        The columns frequency_hz, torque_nm, sweep and settled, each shape (N,) or None. Without
-        `settled` the first third of each dwell is left out.
+        The columns frequency_hz, torque_nm, sweep, settled and drive_on, each shape (N,) or None.
+        Without `settled` the first third of each dwell is left out.
 
     Returns
     -------
@@ -38,8 +40,8 @@ def derive_pairs(
     unknown = np.full(len(t_s), np.nan)
     frequency_hz = _or(optional.get("frequency_hz"), unknown)
     torque_nm = _or(optional.get("torque_nm"), unknown)
-    sweep = optional.get("sweep")
-    commands = [phase_deg, frequency_hz, torque_nm, _or(sweep, unknown)]
+    sweep, drive_on = optional.get("sweep"), optional.get(DRIVE_COLUMN)
+    commands = [phase_deg, frequency_hz, torque_nm, _or(sweep, unknown), _or(drive_on, unknown)]
     first = np.zeros(len(t_s), dtype=bool)
     first[0] = True
     for command in commands:
@@ -52,6 +54,10 @@ def derive_pairs(
         counted = into_dwell >= np.repeat(np.floor(length * _SETTLING_SHARE), length)
     else:
         counted = settled != 0.0
+    if sweep is not None:
+        counted &= sweep >= 0.0
+    if drive_on is not None:
+        counted &= drive_on != 0.0
     n_windows = np.add.reduceat(counted, start, dtype=np.float64)
     has_pair = n_windows > 0.0
     if not has_pair.any():
@@ -73,16 +79,16 @@ def derive_pairs(
     )
 
 
-def dwell_begin(phase_deg: Column) -> NDArray[np.int64]:
-    """Return the row at which the phase took the value that it has in each row, shape (N,).
+def dwell_begin(*commands: Column) -> NDArray[np.int64]:
+    """Return the row at which the last command was given that holds in each row, shape (N,).
 
     Parameters
     ----------
-    phase_deg
-        Commanded phase, shape (N,).
+    *commands
+        What was commanded, the phase and whatever else, at least one, shape (N,) each.
     """
-    rows = np.arange(phase_deg.size)
-    changed = np.diff(phase_deg, prepend=phase_deg[:1]) != 0.0
+    rows = np.arange(commands[0].size)
+    changed = np.any([np.diff(c, prepend=c[:1]) != 0.0 for c in commands], axis=0)
     begin: NDArray[np.int64] = np.maximum.accumulate(np.where(changed, rows, 0))
     return begin
 

@@ -77,6 +77,7 @@ def read_run(path: Path | str) -> Record:
     if not whole and t_s.size and t_s[0] > _CLOCK_S:
         t_s = t_s - t_s[0] + window_s[0]
     optional = {name: columns.get(name) for name in _OPTIONAL}
+    of_dwells = optional | {DRIVE_COLUMN: _as_column(table, DRIVE_COLUMN)}
     pairs = _read_pairs(path / PAIRS_FILE) if whole else None
     return Record(
         name=str(path),
@@ -85,7 +86,7 @@ def read_run(path: Path | str) -> Record:
         speed_rad_s=columns["speed_rad_s"],
         window_s=window_s,
         temperature_c=_as_column(table, TEMPERATURE_COLUMN),
-        pairs=pairs or derive_pairs(t_s, columns["phase_deg"], columns["speed_rad_s"], optional),
+        pairs=pairs or derive_pairs(t_s, columns["phase_deg"], columns["speed_rad_s"], of_dwells),
         meta=meta,
         extra={name: column for name, column in table.columns.items() if name not in _KNOWN},
         changed=_changed(path, meta),

@@ -13,7 +13,7 @@ import yaml
 from numpy.typing import NDArray
 
 from usmbench.errors import InputError
-from usmbench.runs.columns import PAIR_COLUMNS, PAIRS_FILE, RUN_FILE, WINDOWS_FILE
+from usmbench.runs.columns import DRIVE_COLUMN, PAIR_COLUMNS, PAIRS_FILE, RUN_FILE, WINDOWS_FILE
 from usmbench.runs.dwells import derive_pairs
 from usmbench.runs.files import replace_file
 from usmbench.runs.meta import sha256_of
@@ -46,7 +46,10 @@ def write_record(folder: Path, record: Record, meta: Mapping[str, Any]) -> None:
     }
     written = {name: column for name, column in columns.items() if column is not None}
     texts = {WINDOWS_FILE: _table(written | record.extra)}
-    pairs = record.pairs or derive_pairs(record.t_s, record.phase_deg, record.speed_rad_s, columns)
+    of_dwells = columns | {DRIVE_COLUMN: record.driven}
+    pairs = record.pairs or derive_pairs(
+        record.t_s, record.phase_deg, record.speed_rad_s, of_dwells
+    )
     # Pairs at an operating point that nobody knows are left to the reader to derive.
     if pairs is not None and _complete(pairs):
         texts[PAIRS_FILE] = _table({name: getattr(pairs, name) for name in PAIR_COLUMNS})

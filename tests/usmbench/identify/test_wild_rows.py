@@ -20,6 +20,21 @@ def test_a_run_without_one_is_left_as_it_is(measure: Measure) -> None:
     assert not wild_rows(replace(record, speed_rad_s=np.zeros(record.t_s.size))).any()
 
 
+def test_a_run_that_was_hardly_driven_is_left_as_it_is(measure: Measure) -> None:
+    record = measure()
+    n_idle = 200 * record.t_s.size
+    idle = replace(
+        record,
+        **{
+            name: np.r_[np.full(n_idle, idle), getattr(record, name)]
+            for name, idle in (("phase_deg", 0.0), ("speed_rad_s", 0.01), ("window_s", 0.01))
+        },
+        t_s=np.arange(1.0, n_idle + record.t_s.size + 1.0),
+        extra={"drive_on": np.r_[np.zeros(n_idle), np.ones(record.t_s.size)]},
+    )
+    assert not wild_rows(idle).any()
+
+
 def test_every_column_loses_the_row(measure: Measure) -> None:
     record = replace(measure(), extra={"own": np.arange(1500.0)}, sweep=np.zeros(1500))
     record.speed_rad_s[200] = -1e6

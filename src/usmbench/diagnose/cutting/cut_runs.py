@@ -14,7 +14,7 @@ from usmbench.model.applied import Applied
 from usmbench.model.driving import driving_of, stops
 from usmbench.model.effects.context import Context
 from usmbench.model.extended import extended_run
-from usmbench.model.hammerstein import HammersteinModel
+from usmbench.model.hammerstein import HammersteinModel, LinearPart
 from usmbench.model.linear import memory_windows
 from usmbench.model.mixed_curve import beyond_range
 from usmbench.model.operating_points import places_among, point_weights
@@ -69,7 +69,8 @@ def cut_runs(
     warnings += doubtful_units(records)
     sizes = [record.t_s.size for record in records]
     jumps = [breaks(record.t_s, record.usual_window_s) for record in records]
-    pieces = _pieces(sizes, jumps, min(1.0, _MOST_WINDOWS / sum(sizes)))
+    keep = min(1.0, _MOST_WINDOWS / sum(sizes))
+    pieces = _pieces(sizes, jumps, keep, _start_windows(model.linear))
     tabled = _Tabled.of(model)
     stretches: list[Stretch] = []
     for run, (record, cut) in enumerate(zip(records, pieces, strict=True)):
@@ -79,14 +80,17 @@ def cut_runs(
         )
         outside |= beyond_range(model.points, weights, record.phase_deg)
         check_outside(record, outside, warnings)
+        usable = ~outside if record.driven is None else ~outside & record.driven
+        commands = [c for c in (record.phase_deg, record.frequency_hz) if c is not None]
         warm = heating(record, weights, tabled.speeds_rad_s, cut)
         paused = stops(record.t_s, record.usual_window_s, record.driven)
         contexts = tabled.contexts(record, weights, cut)
         for rows, context, (warmed, unsure) in zip(cut, contexts, warm, strict=True):
             points = tuple(w[rows] for w in weights)
             at = (points, places_among(model.points, points), warmed)
-            measured_rad_s, use = record.speed_rad_s[rows], ~outside[rows]
-            stretch = _stretch(run, record.name, context, measured_rad_s, effects, use, at)
+            measured_rad_s, use = record.speed_rad_s[rows], usable[rows]
+            begin = dwell_begin(*(c[rows] for c in commands))
+            stretch = _stretch(run, record.name, context, measured_rad_s, effects, use, begin, at)
             start = min(int(np.searchsorted(paused, rows[0], side="right")), _MOST_STARTS)
             stretches.append(replace(stretch, unsure_warmth=unsure, start=start))
     check_enough(records, sum(int(np.count_nonzero(s.use)) for s in stretches))
@@ -133,12 +137,14 @@ class _Tabled:
 
 
 def _pieces(
-    sizes: Sequence[int], jumps: Sequence[NDArray[np.int64]], keep: float
+    sizes: Sequence[int], jumps: Sequence[NDArray[np.int64]], keep: float, start: int
 ) -> list[list[NDArray[np.int64]]]:
     """Rows of each run's stretches; of very many, blocks spread evenly over them, ends and all.
 
-    Those of another run lie between: together they show how a motor warms without a gap.
+    Those of another run lie between: together they show how a motor warms without a gap. What is no
+    longer than its start says nothing.
     """
+    least = start if keep == 1.0 else _LONGEST_START
     every: list[list[NDArray[np.int64]]] = []
     owed = 0.0
     for run, (n, at) in enumerate(zip(sizes, jumps, strict=True)):
@@ -148,7 +154,7 @@ def _pieces(
             here = min(owed, rows.size)  # the rest is for the next ones
             count = max(1, round(here / _BLOCK)) if keep < 1.0 else 1
             size = min(round(here / count), rows.size // count) if keep < 1.0 else rows.size
-            if size <= _LONGEST_START or size < min(_LEAST_BLOCK, rows.size):
+            if size <= least or size < min(_LEAST_BLOCK, rows.size):
                 continue  # the next ones give more
             owed -= count * size
             begins = _begins(rows.size, count, size, run * _TURN % 1.0)
@@ -164,6 +170,11 @@ def _begins(n: int, count: int, size: int, turn: float) -> list[int]:
     return [int(begin) for begin in (0, *inner, n - size)][:count]
 
 
+def _start_windows(linear: LinearPart) -> int:
+    """Windows at the start of a stretch in which the simulation remembers what came before."""
+    return min(memory_windows(linear) + 3, _LONGEST_START)
+
+
 def _stretch(
     run: int,
     name: str,
@@ -171,15 +182,15 @@ def _stretch(
     speed_rad_s: Array,
     effects: Sequence[Applied],
     use: Mask,
+    begin: NDArray[np.int64],
     at: tuple[tuple[Array, ...], tuple[Array, ...], Array],
 ) -> Stretch:
     """Simulate a stretch and work out where each row stands after the last command."""
     simulated = extended_run(effects, context)
-    rows, last = np.arange(context.n), dwell_begin(context.phase_deg)
-    lag, step_rad_s = rows - last, stepped(simulated.settled_rad_s, last)
+    rows = np.arange(context.n)
+    lag, step_rad_s = rows - begin, stepped(simulated.settled_rad_s, begin)
     # The model is no better where it still remembers how it started, or phases it does not know.
     unknown = np.maximum.accumulate(np.where(use, -1, rows))
-    memory = min(memory_windows(context.linear) + 3, _LONGEST_START)
     return Stretch(
         run,
         name,
@@ -189,8 +200,8 @@ def _stretch(
         simulated.settled_rad_s,
         lag,
         step_rad_s,
-        np.sign(stepped(context.phase_deg, last)),
+        np.sign(stepped(context.phase_deg, begin)),
         np.unique(came_from(simulated.settled_rad_s, step_rad_s, lag), return_inverse=True)[1],
-        rows - unknown > memory,
+        rows - unknown > _start_windows(context.linear),
         *at,
     )

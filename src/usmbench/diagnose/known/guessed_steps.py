@@ -10,7 +10,6 @@ from usmbench.diagnose.cutting.stretches import Stretch, stepped
 from usmbench.diagnose.known.features import Features
 from usmbench.diagnose.known.gaps import KINK
 from usmbench.diagnose.noise.noise_model import LAGS
-from usmbench.runs.dwells import dwell_begin
 
 Array = NDArray[np.float64]
 
@@ -66,9 +65,9 @@ def _shares(stretches: Sequence[Stretch], otherwise: Sequence[Array], least_rad_
 
 def _guessed_rad_s(stretch: Stretch, features: Features) -> Array:
     """By how much the step before each row may be another, shape (N,)."""
-    phase_deg, begin = stretch.context.phase_deg, dwell_begin(stretch.context.phase_deg)
+    phase_deg, begin = stretch.context.phase_deg, np.arange(stretch.context.n) - stretch.lag
     off = np.interp(phase_deg, features.nodes_deg, features.unmeasured_rad_s)
     either = np.hypot(off[begin], off[np.maximum(begin - 1, 0)])
     # Two phases close together are off alike.
     steepest = np.max(np.array(features.between_rad_s) / (KINK * np.diff(features.nodes_deg)))
-    return np.minimum(either, steepest * np.abs(stepped(phase_deg, begin)))
+    return np.asarray(np.minimum(either, steepest * np.abs(stepped(phase_deg, begin))))

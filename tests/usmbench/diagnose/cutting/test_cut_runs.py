@@ -8,7 +8,8 @@ import pytest
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.stretches import came_from
 from usmbench.diagnose.known.features_of_runs import features_of
-from usmbench.model.hammerstein import HammersteinModel
+from usmbench.model.effects.first_order import first_order
+from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
 from usmbench.runs.record import Record
 
 
@@ -29,6 +30,52 @@ def test_rows_that_remember_phases_beyond_the_model_are_not_judged(
     # Within these a lag of a third of a window is gone.
     assert np.exp(-first.size * 0.01 / 0.0035) == pytest.approx(0.0, abs=1e-3)
     assert "1 rows lie outside" in warnings[0]
+
+
+def _record(model: HammersteinModel, phase_deg: np.ndarray) -> Record:
+    """Return a run of 10 ms windows that follows at once."""
+    t_s = 0.01 * np.arange(1.0, phase_deg.size + 1.0)
+    speed_rad_s = model.points[0].curve.speed_rad_s(phase_deg)
+    return Record("run", t_s, phase_deg, speed_rad_s, np.full(phase_deg.size, 0.01))
+
+
+def test_rows_without_drive_are_not_judged_nor_those_that_remember_them(
+    model: HammersteinModel,
+) -> None:
+    driven = np.ones(200)
+    driven[80:120] = 0.0
+    record = replace(_record(model, np.full(200, 40.0)), extra={"drive_on": driven})
+    (stretch,), _ = cut_runs([record], model, ())
+    left_out = np.flatnonzero(~stretch.use)
+    start = np.flatnonzero(left_out < 80).size
+    assert np.array_equal(left_out[start:], np.arange(80, 120 + start))
+
+
+def test_a_frequency_that_changes_while_the_phase_is_held_begins_a_dwell() -> None:
+    curve = StaticCurve(np.array([-90.0, 0.0, 90.0]), np.array([-10.0, 0.0, 10.0]))
+    half = replace(curve, delta=0.5 * curve.delta)
+    points = tuple(
+        OperatingPoint(hz, None, c, (-90.0, 90.0), (None, None), 0.02)
+        for hz, c in ((41000.0, curve), (41500.0, half))
+    )
+    model = HammersteinModel(first_order(0.0035, 0.0015, 0.01), points, "fast")
+    frequency_hz = np.repeat([41000.0, 41500.0, 41000.0], [70, 60, 70])
+    record = replace(_record(model, np.full(200, 45.0)), frequency_hz=frequency_hz)
+    (stretch,), _ = cut_runs([record], model, ())
+    top_rad_s = curve.speed_rad_s(np.array([45.0]))[0]
+    assert np.array_equal(np.flatnonzero(stretch.lag == 0), [0, 70, 130])
+    assert stretch.step_rad_s[[69, 70, 129, 130]] == pytest.approx(
+        np.array([0.0, -0.5, -0.5, 0.5]) * top_rad_s
+    )
+
+
+def test_pieces_between_many_gaps_are_judged(model: HammersteinModel) -> None:
+    phase_deg = np.repeat(np.resize([-60.0, 20.0, 45.0], 100), 10)
+    every = _record(model, phase_deg)
+    record = every.rows(np.arange(1000) % 50 < 45)
+    stretches, _ = cut_runs([record], model, ())
+    assert [s.context.n for s in stretches] == 20 * [45]
+    assert sum(np.count_nonzero(s.use) for s in stretches) > 0.6 * 1000
 
 
 def test_phases_a_little_beyond_the_model_are_judged(model: HammersteinModel) -> None:
