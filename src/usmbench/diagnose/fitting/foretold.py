@@ -5,8 +5,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from usmbench.diagnose.cutting.check_runs import FEWEST_WINDOWS
 from usmbench.diagnose.cutting.stretches import Mask
-from usmbench.diagnose.fitting.blocks import FOLDS, held_out, unseen_from
+from usmbench.diagnose.fitting.blocks import FOLDS, held_apart
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.refining import refine
 from usmbench.diagnose.residual.problem import Problem
@@ -33,7 +34,7 @@ def foretold_rad_s(problem: Problem, fit: Fit) -> list[Array]:
         In rad/s, shape (N,) each.
     """
     foretold = [np.zeros(s.residual_rad_s.size) for s in problem.stretches]
-    for rows, refit in _refits(problem, fit):
+    for _, rows, refit in _refits(problem, fit):
         changes = problem.change_rad_s(refit.effects)
         for own, unseen, change in zip(foretold, rows, changes, strict=True):
             own[unseen] = change[unseen]
@@ -113,19 +114,20 @@ def held_out_drop(problem: Problem, fit: Fit) -> Array:
         The effects at their values on all rows.
     """
     drop = np.zeros(FOLDS)
-    for fold, (rows, refit) in enumerate(_refits(problem, fit)):
+    for fold, rows, refit in _refits(problem, fit):
         unseen = problem.with_masks([m & r for m, r in zip(problem.masks, rows, strict=True)])
         drop[fold] = unseen.drop(refit.effects)
     return drop
 
 
-def _refits(problem: Problem, fit: Fit) -> Iterator[tuple[list[Mask], Fit]]:
-    """Yield the rows of each fold, and the effects at their values on the rows of the others.
+def _refits(problem: Problem, fit: Fit) -> Iterator[tuple[int, Sequence[Mask], Fit]]:
+    """Yield each fold, its rows, and the effects at their values on the rows of the others.
 
-    Rows that the dynamics tie to the fold are left out of the fit, too.
+    Rows that the dynamics tie to the fold are left out of the fit, too. Where that leaves too few
+    to say anything, nothing is foretold.
     """
     for fold in range(FOLDS) if fit.effects else ():
-        pairs = zip(problem.masks, problem.stretches, strict=True)
-        masks = [mask & ~unseen_from(stretch, fold) for mask, stretch in pairs]
-        rows = [held_out(stretch, fold) for stretch in problem.stretches]
-        yield rows, refine(problem.with_masks(masks), fit)
+        rows, left_out = zip(*(held_apart(s, fold) for s in problem.stretches), strict=True)
+        masks = [mask & ~out for mask, out in zip(problem.masks, left_out, strict=True)]
+        if sum(map(np.count_nonzero, masks)) >= FEWEST_WINDOWS:
+            yield fold, rows, refine(problem.with_masks(masks), fit)
