@@ -37,14 +37,18 @@ class Fit:
     def p_value(self) -> float:
         """Probability of such a statistic where nothing is wrong, for this effect alone.
 
-        For a scanned parameter, Davies' bound on the supremum of a chi process (1987,
-        doi:10.1093/biomet/74.1.33): the tail at one point, plus the variation times
-        ``exp(−u/2)/π``. Of an effect with one size and one sign chance takes the wrong one half of
-        the time (Chernoff 1954, doi:10.1214/aoms/1177728725).
+        For a scanned parameter, Davies' bound on the supremum of a chi process with as many degrees
+        of freedom s as there are sizes (1987, doi:10.1093/biomet/74.1.33): the tail at one point,
+        plus the variation times ``(u/2)^((s−1)/2) exp(−u/2) / (√π Γ(s/2))``. Of an effect with one
+        size and one sign chance takes the wrong one half of the time (Chernoff 1954,
+        doi:10.1214/aoms/1177728725).
         """
         u, sized = max(self.statistic, 0.0), self.sized
-        tail = float(chdtrc(max(len(sized), 1), u))
-        tail += self.roughness * math.exp(-0.5 * u) / math.pi
+        half, n = 0.5 * u, max(len(sized), 1)
+        tail = float(chdtrc(n, u))
+        crossed = math.pow(half, 0.5 * (n - 1)) * math.exp(-half)
+        crossed /= math.sqrt(math.pi) * math.gamma(0.5 * n)
+        tail += self.roughness * crossed
         sides = 0.5 if u > 0.0 and len(sized) == 1 and sized[0].one_way else 1.0
         return min(sides * tail, 1.0)
 
@@ -55,9 +59,8 @@ class Fit:
         Twice the logarithm of by how much the scan raises `p_value`, the tail of chi-squared taken
         as what it tends to.
         """
-        half, n = 0.5 * max(self.statistic, 0.0), max(len(self.sized), 1)
-        times = self.roughness / math.pi * math.gamma(0.5 * n) * max(half, 1.0) ** (1.0 - 0.5 * n)
-        return 2.0 * math.log1p(times)
+        half = 0.5 * max(self.statistic, 0.0)
+        return 2.0 * math.log1p(self.roughness * math.sqrt(max(half, 1.0) / math.pi))
 
 
 NOTHING = Fit((), 0.0, 0.0)

@@ -40,3 +40,20 @@ def test_a_search_is_paid_for_with_what_it_makes_of_chance(
     paid = 2.0 * np.log(fit.p_value / alone.p_value)
     assert fit.searched == pytest.approx(paid, rel=0.01, abs=1e-12)
     assert Fit((applied,), 1e7, roughness).searched >= fit.searched
+
+
+@pytest.mark.parametrize(
+    "form", [("thermal_drift", "speed"), ("thermal_drift", "speed and friction")]
+)
+def test_chance_takes_the_best_of_a_scan_as_often_as_its_p_value_says(
+    form: tuple[str, str],
+) -> None:
+    applied = Applied(find_effect(*form), {})
+    n_sizes = len(Fit((applied,), 0.0, 0.0).sized)
+    scanned = np.linspace(0.0, 2.0, 41)  # a shape that turns by 2 rad, for each size in a plane
+    draws = np.random.default_rng(1).standard_normal((2, n_sizes, 100_000, 1))
+    along = draws[0] * np.cos(scanned) + draws[1] * np.sin(scanned)
+    best = np.max(np.sum(along**2, axis=0), axis=1)
+    for level in (6.0, 10.0):
+        p_value = Fit((applied,), level, 2.0).p_value
+        assert np.mean(best > level) == pytest.approx(p_value, rel=0.15)
