@@ -99,21 +99,26 @@ class FittedRows:
             own -= regressors @ along
 
 
-def serial_test(fitted: FittedRows) -> ResidualTest:
+def serial_test(fitted: FittedRows, taken: int = 0) -> ResidualTest:
     """Test for correlation with the residual's own past, all lags together.
 
-    The regressors make the residual's first lags correlated even where the noise is white.
+    The regressors make the residual's first lags correlated even where the noise is white. A colour
+    that was fitted and taken out has taken as many degrees of freedom with it (Box and Pierce 1970,
+    doi:10.1080/01621459.1970.10481180).
 
     Parameters
     ----------
     fitted
         Residual and regressors of the fit.
+    taken
+        Coefficients of the colour that was taken out of the residual.
     """
     past = [_lagged(residual, SERIAL_LAGS, 0.0) for residual in fitted.residuals]
     explained, left, rank = fitted.explained(past)
     statistic = fitted.n * explained / left if left > 0.0 else 0.0
+    degrees = max(rank - taken, 1)
     return ResidualTest(
-        "the noise has more colour", statistic, rank, float(chdtrc(rank, statistic))
+        "the noise has more colour", statistic, degrees, float(chdtrc(degrees, statistic))
     )
 
 
@@ -164,7 +169,7 @@ def residual_tests(
         regressors.append(whitened(colour, wide)[first:])
         inputs.append(whitened(colour, lagged)[first:])
     fitted = FittedRows(residuals, regressors)
-    return serial_test(fitted), input_test(fitted, inputs)
+    return serial_test(fitted, colour.size), input_test(fitted, inputs)
 
 
 def _lagged(signal: Array, lags: int, before: float) -> Array:

@@ -34,6 +34,21 @@ def test_false_alarms_come_at_five_per_cent_over_all_lags() -> None:
     assert low <= other <= high
 
 
+def test_false_alarms_come_at_five_per_cent_where_a_colour_was_taken_out() -> None:
+    rng, alarms, taken = np.random.default_rng(4), 0, []
+    far_back = np.r_[np.zeros(7), 0.5]  # a colour that takes eight coefficients
+    for _ in range(SETS):
+        noise = coloured_back(far_back, rng.standard_normal(5 * N))
+        colour, _ = fit_noise([noise])
+        white = whitened(colour, noise)[colour.size :]
+        taken.append(colour.size)
+        fit = FittedRows([white], [np.ones((white.size, 1))])
+        alarms += serial_test(fit, colour.size).p_value < 0.05
+    low, high = (float(binom.ppf(tail, SETS, 0.05)) for tail in (0.0005, 0.9995))
+    assert min(taken) >= 8
+    assert low <= alarms <= high
+
+
 def test_a_weak_colour_is_seen() -> None:
     rng = np.random.default_rng(1)
     white = rng.standard_normal(N + 1)
