@@ -77,7 +77,7 @@ def described(
         gain_low=gain.low,
         gain_high=gain.high,
         remainder=None if silent else _remainder(found, views),
-        minimum_detectable=smallest_sizes(problem, testable, found.spread),
+        minimum_detectable=smallest_sizes(problem, testable, found.spread, found.ranked),
         views=views,
         traces=tuple(_traces(problem, fit)),
         extended=replace(model, effects=(*model.effects, *effects)),

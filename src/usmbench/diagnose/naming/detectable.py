@@ -9,7 +9,7 @@ from scipy.stats import norm
 
 from usmbench.diagnose.evidence import Detectable
 from usmbench.diagnose.fitting.fit import Fit
-from usmbench.diagnose.naming.ranking import CLEAR
+from usmbench.diagnose.naming.ranking import CLEAR, Ranked
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.applied import Applied
 from usmbench.model.effects.base import Effect
@@ -21,7 +21,7 @@ _DOUBLINGS = 14
 
 
 def smallest_sizes(
-    problem: Problem, effects: Sequence[Effect], spread: float
+    problem: Problem, effects: Sequence[Effect], spread: float, ranked: Sequence[Ranked] = ()
 ) -> tuple[Detectable, ...]:
     """Return, by cause, the size at which its deviance is found with 90 % power.
 
@@ -36,7 +36,10 @@ def smallest_sizes(
         Testable effects.
     spread
         Standard deviation of the whitened noise.
+    ranked
+        Every cause alone: what its scan costs it. One that is missing is taken to have none.
     """
+    roughness = {r.effect: r.fit.roughness for r in ranked}
     found: dict[str, Detectable] = {}
     for effect in effects:
         if effect.sporadic or not effect.parameters:
@@ -45,7 +48,7 @@ def smallest_sizes(
         before = found.get(effect.name)
         if before is not None and before.unit != sized.unit:
             continue
-        threshold = _threshold(effect, CLEAR / len(effects))
+        threshold = _threshold(effect, CLEAR / len(effects), roughness.get(effect, 0.0))
         wanted = (math.sqrt(threshold) + float(norm.ppf(_POWER))) ** 2 * spread**2
         value = _size(problem, effect, sized, wanted)
         if value is not None and (before is None or value > before.value):
@@ -53,10 +56,10 @@ def smallest_sizes(
     return tuple(found.values())
 
 
-def _threshold(effect: Effect, p_value: float) -> float:
-    """Statistic at which an effect alone has a probability, at one point of its scan."""
+def _threshold(effect: Effect, p_value: float, roughness: float) -> float:
+    """Statistic at which an effect alone has a probability, its scan paid for."""
     applied = (Applied(effect, {}),)
-    return float(brentq(lambda u: Fit(applied, u, 0.0).p_value - p_value, 0.0, _MOST))
+    return float(brentq(lambda u: Fit(applied, u, roughness).p_value - p_value, 0.0, _MOST))
 
 
 def _size(problem: Problem, effect: Effect, sized: Parameter, wanted: float) -> float | None:

@@ -8,6 +8,7 @@ from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.naming.detectable import smallest_sizes
+from usmbench.diagnose.naming.ranking import Ranked
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.applied import Applied
@@ -22,16 +23,17 @@ def _problem(stretches: list[Stretch], model: HammersteinModel) -> Problem:
 
 
 @pytest.mark.parametrize(
-    ("name", "form"),
-    [("phase_offset", ""), ("stick_slip", "")],
-    ids=["either way", "one way"],
+    ("name", "form", "roughness"),
+    [("phase_offset", "", 0.0), ("stick_slip", "", 0.0), ("stick_slip", "", 20.0)],
+    ids=["either way", "one way", "of a scan"],
 )
 def test_nine_in_ten_of_the_smallest_size_are_below_the_level_of_a_name(
-    stretches: list[Stretch], model: HammersteinModel, name: str, form: str
+    stretches: list[Stretch], model: HammersteinModel, name: str, form: str, roughness: float
 ) -> None:
     problem = _problem(stretches, model)
     effect = find_effect(name, form)
-    (smallest,) = smallest_sizes(problem, [effect] * 5, 1.0)
+    scanned_as = Ranked(effect, Fit((), 0.0, roughness), 0.0, 1.0, 0.0)
+    (smallest,) = smallest_sizes(problem, [effect] * 5, 1.0, [scanned_as])
     scanned = {
         n: float(np.median(g)) for n, g in effect.grid([s.context for s in stretches]).items()
     }
@@ -39,7 +41,7 @@ def test_nine_in_ten_of_the_smallest_size_are_below_the_level_of_a_name(
     carried = problem.carried(problem.change_rad_s([applied]))
     # A deviation shorter one time in ten.
     shorter = float(np.linalg.norm(carried) - norm.ppf(0.9))
-    assert 5 * Fit((applied,), shorter**2, 0.0).p_value == pytest.approx(0.05, rel=0.1)
+    assert 5 * Fit((applied,), shorter**2, roughness).p_value == pytest.approx(0.05, rel=0.1)
 
 
 def test_states_what_the_form_needs_that_shows_least(
