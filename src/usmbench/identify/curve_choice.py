@@ -6,10 +6,11 @@ import numpy as np
 
 from usmbench.identify.bends import bends_of_curve, bends_of_rows, joined
 from usmbench.identify.between_levels import Levels
-from usmbench.identify.curve_rows import LEVELS, CurveRows, block_rows, curve_rows
+from usmbench.identify.curve_rows import CurveRows, block_rows, curve_rows
 from usmbench.identify.data import Dataset
 from usmbench.identify.dynamics import NONE
 from usmbench.identify.jumping_curve import jumping_choice
+from usmbench.identify.like_phases import LEVELS
 from usmbench.identify.projected import Projected
 from usmbench.identify.selection import (
     DEGREES,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from usmbench.identify.between_levels import Levels
 from usmbench.identify.data import Dataset, Segment
 from usmbench.identify.dynamics import NONE, Dynamics
-from usmbench.identify.like_phases import median_at_like_phases
+from usmbench.identify.like_phases import LEVELS, median_at_like_phases
 from usmbench.identify.projected import Projected
 from usmbench.identify.robust_fit import OVER_MEDIAN, bisquare_weights, residual_scales
 from usmbench.model.linear import memory_windows
@@ -21,7 +21,7 @@ FOLDS = 5
 _BLOCKS = 40
 _MOST_ROWS = 4000
 _FEWEST_DWELLS, _FEWEST_PHASES = 10, 10
-LEVELS, _MOST_OF_THEM = 60, 0.9  # phases of a staircase, at most; a reference that glides has more
+_MOST_OF_THEM = 0.9  # phases of a staircase
 _STANDING_SPEED = 0.002  # of the highest: less is standstill
 _AGAIN, _REPEATS = 1.5, 0.005  # dwells a phase; of the highest speed
 _BY_CHANCE = 3.0  # standard errors of a median: less is standstill, too

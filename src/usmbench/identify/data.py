@@ -36,16 +36,6 @@ class Segment:
         """Number of samples."""
         return self.phase_deg.size
 
-    def at(self, point: int) -> "Segment":
-        """Return the same samples at an operating point.
-
-        Parameters
-        ----------
-        point
-            Index of the operating point.
-        """
-        return replace(self, point=point)
-
     def part(self, first: int, last: int) -> "Segment":
         """Return some of its samples, without copying them.
 

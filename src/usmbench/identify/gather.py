@@ -1,6 +1,7 @@
 """Runs gathered into what identification works on, cut where they are not one piece."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 
 from usmbench.errors import InputError
 from usmbench.identify.data import Dataset, FittedRun, Point, Segment, describe
+from usmbench.identify.like_phases import merged_deg
 from usmbench.identify.wild_rows import WILD_TIMES, wild_rows
 from usmbench.runs.check_record import changed_since_closed, check_numbers, check_together
 from usmbench.runs.columns import DRIVE_COLUMN
@@ -114,7 +116,11 @@ def _dataset(
     points: dict[Point, int] = {}
     for point, _ in found:
         points.setdefault(point, len(points))
-    segments = tuple(segment.at(points[point]) for point, segment in found)
+    merged = merged_deg([segment.phase_deg for _, segment in found])
+    segments = tuple(
+        replace(segment, phase_deg=phase_deg, point=points[point])
+        for (point, segment), phase_deg in zip(found, merged, strict=True)
+    )
     if max(float(np.max(np.abs(segment.speed_rad_s))) for segment in segments) < _STANDS_RAD_S:
         raise InputError(
             f"{', '.join(run.name for run in runs)}: the motor never moved; is the encoder "

@@ -36,6 +36,22 @@ def test_the_span_is_that_of_all_rows_also_where_few_are_searched(measure: Measu
     assert data.spans_deg[0] == (record.phase_deg.min(), record.phase_deg.max())
 
 
+def test_phases_that_differ_by_rounding_are_one(measure: Measure) -> None:
+    levels_deg = np.linspace(-80.0, 80.0, 9)
+    phase_deg = np.repeat(np.resize(levels_deg, 30), 10)
+    rounded_deg = phase_deg * (1.0 + 1e-14 * np.repeat(np.arange(30.0), 10))
+    (segment,) = from_windows([replace(measure(300), phase_deg=rounded_deg)]).segments
+    assert np.unique(rounded_deg).size > np.unique(segment.phase_deg).size == 9
+
+
+def test_a_run_without_pairs_gives_its_driven_windows(measure: Measure) -> None:
+    record = measure(300)
+    sweep = np.where(record.t_s < 0.505, -1.0, 0.0)
+    drive_on = np.where(record.t_s > 2.505, 0.0, 1.0)
+    data = from_pairs([replace(record, pairs=None, sweep=sweep, extra={"drive_on": drive_on})])
+    assert sum(segment.n for segment in data.segments) == 200
+
+
 def test_points_of_the_plan_without_a_row_are_named(measure: Measure) -> None:
     plan = {"frequency_hz": [41_000, 41_500], "torque_nm": [0, 0.1]}
     record = replace(measure(300, point=(41_000.0, 0.0)), meta={"id": "x", "plan": plan})
