@@ -27,3 +27,13 @@ def test_an_offset_and_teeth_that_lean_are_both_named(
     assert sorted(found.names) == ["gain_asymmetry", "phase_offset"]
     assert values["phase_offset"]["offset_deg"] == pytest.approx(offset_deg, abs=0.02)
     assert values["gain_asymmetry"]["asymmetry"] == pytest.approx(asymmetry, abs=1e-3)
+
+
+def test_an_offset_and_another_scale_are_both_named(model: HammersteinModel) -> None:
+    """Though what fits best alone is neither: a drag and steps make up for the two."""
+    scaled = applied("phase_scale", "", scale_error=-0.01)
+    found = searched(cut_run(model, offset(-0.26), scaled, stairs=True), model)
+    values = {a.effect.name: a.values for a in found.fit.effects}
+    assert sorted(found.names) == ["phase_offset", "phase_scale"]
+    assert values["phase_offset"]["offset_deg"] == pytest.approx(-0.26, abs=0.02)
+    assert values["phase_scale"]["scale_error"] == pytest.approx(-0.01, abs=1e-3)
