@@ -19,6 +19,14 @@ def test_a_count_is_a_share_of_the_revolution() -> None:
     assert record.count_rad == pytest.approx(math.pi / 1000.0)
 
 
+@pytest.mark.parametrize(("jitter", "off"), [(0.0, 0.0), (0.1, 2e-3)])
+def test_a_window_lasts_as_long_as_most_do(jitter: float, off: float) -> None:
+    window_s = 0.01 * (1.0 + jitter * np.random.default_rng(1).uniform(-1.0, 1.0, 2000))
+    window_s[[5, 900]] = 3.0, 0.4  # pauses
+    record = Record("run", np.cumsum(window_s), window_s, window_s, window_s)
+    assert record.usual_window_s == pytest.approx(0.01, rel=off, abs=0.0)
+
+
 @pytest.mark.parametrize("encoder", [None, {}, {"counts_per_rev": None}])
 def test_counts_that_nobody_says_leave_the_count_unknown(encoder: object) -> None:
     assert _measured({"encoder": encoder}).count_rad is None
