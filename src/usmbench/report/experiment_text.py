@@ -19,8 +19,8 @@ def why_no_experiment(diagnosis: Diagnosis) -> str:
         return "none is proposed: no causes are left that a sweep would tell apart"
     if all(point.frequency_hz is None for point in diagnosis.extended.points):
         return (
-            "none is proposed: the model does not say at which drive frequency it holds, which a plan "
-            "needs; give its runs a column frequency_hz, identify it on them and diagnose again "
+            "none is proposed: the model does not say at which drive frequency it holds, which a "
+            "plan needs; give its runs a column frequency_hz, identify it on them and diagnose again "
             "(docs/how-to/bring-your-data.md)"
         )
     return (
