@@ -20,7 +20,7 @@ def why_no_experiment(diagnosis: Diagnosis) -> str:
     if all(point.frequency_hz is None for point in diagnosis.extended.points):
         return (
             "none is proposed: the model does not say at which drive frequency it holds, which a "
-            "plan needs; give its runs a column frequency_hz, identify it on them and diagnose again "
+            "plan needs; give its runs a column frequency_hz, identify it on them, diagnose again "
             "(docs/how-to/bring-your-data.md)"
         )
     return (
