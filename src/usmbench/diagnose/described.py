@@ -22,6 +22,7 @@ from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.naming.left_wave import left_wave_hz
 from usmbench.diagnose.naming.ranking import Ranked, alternatives, best_forms
 from usmbench.diagnose.naming.remainder import LOUD, Beyond, describe
+from usmbench.diagnose.naming.run_to_run import sizes_by_run
 from usmbench.diagnose.naming.sporadic import left_unnamed
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.views import residual_views
@@ -109,6 +110,7 @@ def _warnings(held: Held) -> Iterator[str]:
     found = held.found
     yield from unknown_moments(found.problem.stretches)
     yield from said_beside(found, held.verdict)
+    yield from sizes_by_run(found.problem, found.fit, found.spread)
     yield from _hidden(held)
     yield from _no_news(held)
     if held.sporadic is not None:
