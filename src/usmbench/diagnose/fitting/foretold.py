@@ -5,7 +5,6 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.cutting.check_runs import FEWEST_WINDOWS
 from usmbench.diagnose.cutting.stretches import Mask
 from usmbench.diagnose.fitting.blocks import FOLDS, held_apart
 from usmbench.diagnose.fitting.fit import Fit
@@ -16,6 +15,7 @@ Array = NDArray[np.float64]
 
 GROSS, _HARDLY = 1.25, 0.1  # times a mean square: more than chance; of what is beyond it
 _BY_CHANCE = 2.0  # standard deviations
+_ROWS_A_VALUE = 10  # a fit of less says nothing of others; nothing measured sets it
 
 
 def foretold_rad_s(problem: Problem, fit: Fit) -> list[Array]:
@@ -126,8 +126,9 @@ def _refits(problem: Problem, fit: Fit) -> Iterator[tuple[int, Sequence[Mask], F
     Rows that the dynamics tie to the fold are left out of the fit, too. Where that leaves too few
     to say anything, nothing is foretold.
     """
+    n_values = sum(len(a.effect.parameters) for a in fit.effects)
     for fold in range(FOLDS) if fit.effects else ():
         rows, left_out = zip(*(held_apart(s, fold) for s in problem.stretches), strict=True)
         masks = [mask & ~out for mask, out in zip(problem.masks, left_out, strict=True)]
-        if sum(map(np.count_nonzero, masks)) >= FEWEST_WINDOWS:
+        if sum(map(np.count_nonzero, masks)) >= _ROWS_A_VALUE * n_values:
             yield fold, rows, refine(problem.with_masks(masks), fit)

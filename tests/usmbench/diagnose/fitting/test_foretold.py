@@ -152,3 +152,16 @@ def test_each_block_is_foretold_from_the_others(stretches: list[Stretch], known:
     assert foretold[used] == pytest.approx(10.0 * change[used], abs=0.05)
     assert np.sum(held_out_drop(problem, Fit((LEAN,), 0.0, 0.0))) > 10.0
     assert not np.any(foretold_rad_s(problem, NOTHING)[0])
+
+
+def test_nothing_is_foretold_where_too_few_rows_are_left_to_fit(
+    stretches: list[Stretch], known: Knowledge
+) -> None:
+    (stretch,) = stretches
+    change = change_rad_s(problem_of(known, stretch, np.zeros(stretch.context.n)))
+    problem = problem_of(known, stretch, change)
+    fit = Fit((LEAN,), problem.drop([LEAN]), 0.0)
+    first = [stretch.use & (np.arange(stretch.context.n) < 30)]
+    assert np.all(held_out_drop(problem.with_masks(first), fit)[:2] == 0.0)
+    assert np.any(foretold_rad_s(problem, fit)[0] != 0.0)
+    assert np.all(foretold_rad_s(problem.with_masks(first), fit)[0][:32] == 0.0)
