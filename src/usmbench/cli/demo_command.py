@@ -14,6 +14,7 @@ from usmbench.report.numbers_text import percent
 from usmbench.runs.meta import read_meta
 from usmbench.runs.reader import read_run
 from usmbench.settings.bench import SIMULATED
+from usmbench.settings.plan_file import load_plan
 
 PLAN = "phase-sweep"
 RUNS = ("reference", "measured")
@@ -88,11 +89,21 @@ def _make_room(folder: Path) -> None:
     foreign = sorted(entry.name for entry in folder.iterdir() if entry.name not in ours)
     if foreign:
         raise InputError(f"holds {foreign[0]}, which no demo wrote; name another", file=folder)
-    for name in RUNS:
-        run_folder = folder / name
-        if run_folder.exists():
-            read_meta(run_folder)  # refuses what is no run folder
-            shutil.rmtree(run_folder)
+    old = [folder / name for name in RUNS if (folder / name).exists()]
+    for run_folder in old:
+        _check_ours(run_folder)
+    for run_folder in old:
+        shutil.rmtree(run_folder)
+
+
+def _check_ours(run_folder: Path) -> None:
+    """Refuse what is no run of a demo: what was measured cannot be had again."""
+    meta = read_meta(run_folder)
+    bench = meta.get("bench")
+    simulated = isinstance(bench, dict) and bench.get("name") == SIMULATED
+    same_plan = simulated and meta.get("plan") == load_plan(PLAN).source.document
+    if not same_plan or run_folder.is_symlink():
+        raise InputError("is a run that no demo drove; name another with --out", file=run_folder)
 
 
 def _sweep(folder: Path, seed: int, hidden: str | None = None) -> None:

@@ -10,6 +10,9 @@ import yaml
 
 from usmbench.cli import demo_command
 from usmbench.cli.main import main
+from usmbench.errors import InputError
+from usmbench.runs.writer import RunWriter
+from usmbench.settings.bench import SIMULATED
 
 CHECKER = Path(__file__).parents[4] / "shared" / "tools" / "check-contract"
 SHORT = {
@@ -91,6 +94,44 @@ def test_a_folder_named_like_a_run_that_is_none_is_left_alone(
     assert main(["demo", "--out", str(tmp_path)]) == 2
     assert "run.yaml" in capsys.readouterr().err
     assert (tmp_path / "measured" / "thesis.tex").exists()
+
+
+def _old_run(folder: Path, bench: str = SIMULATED, name: str = "short") -> Path:
+    meta = {"bench": {"name": bench}, "plan": SHORT | {"name": name}}
+    RunWriter.create(folder, meta, temperature=False, raw=False).close("completed")
+    return folder
+
+
+@pytest.mark.usefixtures("plan")
+def test_the_runs_of_an_earlier_demo_are_replaced(tmp_path: Path) -> None:
+    old = [_old_run(tmp_path / "demo" / name) for name in demo_command.RUNS]
+    demo_command._make_room(tmp_path / "demo")
+    assert not any(run.exists() for run in old)
+
+
+@pytest.mark.usefixtures("plan")
+@pytest.mark.parametrize(("bench", "name"), [("lab", "short"), (SIMULATED, "mine")])
+def test_a_run_that_no_demo_drove_is_left_alone(
+    tmp_path: Path, bench: str, name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "lab"
+    ours, theirs = _old_run(folder / "reference"), _old_run(folder / "measured", bench, name)
+    assert main(["demo", "--out", str(folder)]) == 2
+    assert capsys.readouterr().err == (
+        f"usmbench: {theirs}: is a run that no demo drove; name another with --out\n"
+    )
+    assert (ours / "windows.csv").exists()
+    assert (theirs / "windows.csv").exists()
+
+
+@pytest.mark.usefixtures("plan")
+def test_a_link_to_a_run_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "demo").mkdir()
+    _old_run(tmp_path / "demo" / "reference")
+    (tmp_path / "demo" / "measured").symlink_to(_old_run(tmp_path / "elsewhere"))
+    with pytest.raises(InputError, match="measured: is a run that no demo drove"):
+        demo_command._make_room(tmp_path / "demo")
+    assert (tmp_path / "demo" / "reference").exists()
 
 
 def test_a_seed_below_zero_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
