@@ -12,7 +12,7 @@ from usmbench.runs.columns import (
     WINDOW_COLUMNS_T,
     WINDOWS_FILE,
 )
-from usmbench.runs.files import AppendedFile
+from usmbench.runs.files import AppendedFile, refuse_links
 from usmbench.runs.raw import RawWriter
 from usmbench.runs.run_lock import lock
 
@@ -32,7 +32,7 @@ class DataFiles:
     Raises
     ------
     usmbench.errors.InputError
-        Another program writes the run; nothing has been changed.
+        Another program writes the run, or a file is a link; nothing has been changed.
     usmbench.errors.BenchError
         A file cannot be opened or written.
     """
@@ -42,6 +42,7 @@ class DataFiles:
         """Names of the files that were closed, with everything in them that they were given."""
         self.temperature: Final = temperature
         self.raw: RawWriter | None = None
+        refuse_links(folder)
         self.windows: Final = AppendedFile(folder / WINDOWS_FILE)
         self.pairs: Final = AppendedFile(folder / PAIRS_FILE)
         try:

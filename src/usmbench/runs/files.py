@@ -4,8 +4,10 @@ import errno
 import os
 from contextlib import suppress
 from pathlib import Path
+from typing import BinaryIO
 
-from usmbench.errors import BenchError
+from usmbench.errors import BenchError, InputError
+from usmbench.runs.columns import DATA_FILES
 
 
 def disk_error(path: Path, error: OSError) -> BenchError:
@@ -69,6 +71,41 @@ def sync_folder(folder: Path) -> None:
             os.close(descriptor)
 
 
+def refuse_links(folder: Path) -> None:
+    """Refuse a run whose data files are links: what these lead to would be written to.
+
+    Parameters
+    ----------
+    folder
+        The run folder.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        A data file is a link.
+    """
+    for name in DATA_FILES:
+        if (folder / name).is_symlink():
+            raise InputError("is a link; put the file itself in its place", file=folder / name)
+
+
+def new_file(path: Path) -> BinaryIO:
+    """Open a file to write it anew; what stands in its place, a link too, is removed.
+
+    Parameters
+    ----------
+    path
+        The file; it need not exist.
+
+    Raises
+    ------
+    OSError
+        The file cannot be made.
+    """
+    path.unlink(missing_ok=True)
+    return path.open("xb")
+
+
 def replace_file(path: Path, content: bytes) -> None:
     """Replace a file so that at any instant either the old or the new one is whole.
 
@@ -86,7 +123,7 @@ def replace_file(path: Path, content: bytes) -> None:
     """
     new = path.with_name(path.name + ".new")
     try:
-        with new.open("wb") as file:
+        with new_file(new) as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
@@ -109,14 +146,14 @@ class AppendedFile:
     Raises
     ------
     usmbench.errors.BenchError
-        The file cannot be opened.
+        The file cannot be opened, or is a link.
     """
 
     def __init__(self, path: Path):
         self.path = path
+        kind = getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)
         try:
-            flags = os.O_RDWR | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0)
-            self._descriptor = os.open(path, flags, 0o644)
+            self._descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | kind, 0o644)
             self._size = os.fstat(self._descriptor).st_size
         except OSError as error:
             raise disk_error(path, error) from error

@@ -10,7 +10,7 @@ import yaml
 from usmbench import __version__
 from usmbench.errors import InputError
 from usmbench.runs.columns import FORMAT, RUN_FILE
-from usmbench.runs.files import disk_error, replace_file
+from usmbench.runs.files import disk_error, new_file, replace_file
 from usmbench.runs.meta import iso, new_id, now_iso, read_meta, sha256_of
 from usmbench.runs.stop_request import forget_stop_request
 
@@ -77,7 +77,8 @@ def begin_meta(folder: Path, meta: Mapping[str, Any]) -> None:
         It cannot be written.
     """
     replace_file(folder / RUN_FILE, _text(meta))
-    (folder / _RESERVE_FILE).write_bytes(bytes(_RESERVE_BYTES))
+    with new_file(folder / _RESERVE_FILE) as file:
+        file.write(bytes(_RESERVE_BYTES))
 
 
 def close_meta(

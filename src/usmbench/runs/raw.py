@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from usmbench.errors import BenchError
 from usmbench.instruments.samples import SampleBlock
+from usmbench.runs.files import new_file
 from usmbench.runs.raw_file import UNWRITTEN, close, drop_unwritten, recover
 
 _CHUNK_SAMPLES = 65536
@@ -52,7 +53,8 @@ class RawWriter:
         try:
             if path.exists():
                 recover(path)
-            self._reserve.write_bytes(bytes(_RESERVE_BYTES))
+            with new_file(self._reserve) as file:
+                file.write(bytes(_RESERVE_BYTES))
             self._open()
         except _HDF5_ERRORS as error:
             self._reserve.unlink(missing_ok=True)

@@ -26,6 +26,7 @@ def recover(path: Path) -> None:
         h5py.File(path, "r+", libver="latest").close()
     except OSError:
         new = path.with_name(path.name + ".new")
+        new.unlink(missing_ok=True)
         try:
             _copy(path, new)
             new.replace(path)
@@ -35,7 +36,7 @@ def recover(path: Path) -> None:
 
 def _copy(path: Path, new: Path) -> None:
     with h5py.File(path, "r", libver="latest", swmr=True) as old:
-        copy = h5py.File(new, "w", libver="latest")
+        copy = h5py.File(new, "x", libver="latest")
         try:
             for name in old:
                 old.copy(name, copy)

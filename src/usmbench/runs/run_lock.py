@@ -9,6 +9,7 @@ from pathlib import Path
 
 from usmbench.errors import InputError
 from usmbench.runs.columns import WINDOWS_FILE
+from usmbench.runs.files import refuse_links
 
 if sys.platform != "win32":
     import fcntl
@@ -54,8 +55,9 @@ def check_free(folder: Path) -> None:
     Raises
     ------
     usmbench.errors.InputError
-        Another program writes the run, or windows.csv cannot be opened.
+        Another program writes the run, or a data file is a link or cannot be opened.
     """
+    refuse_links(folder)
     path = folder / WINDOWS_FILE
     try:
         descriptor = os.open(path, os.O_RDWR)

@@ -20,7 +20,9 @@ import yaml
 
 from usmbench.errors import BenchError, InputError
 from usmbench.instruments.samples import SampleBlock
+from usmbench.runs.files import AppendedFile
 from usmbench.runs.reader import read_run
+from usmbench.runs.run_lock import check_free
 from usmbench.runs.writer import RunWriter
 from usmbench.sweep.rows import WindowRow
 
@@ -214,6 +216,44 @@ def test_a_complete_run_and_a_foreign_table_are_not_resumed(make_run: Callable[.
         RunWriter.resume(folder)
 
 
+@pytest.mark.parametrize("name", ["windows.csv", "pairs.csv", "raw.h5"])
+def test_a_link_in_the_place_of_data_is_refused(
+    tmp_path: Path, make_run: Callable[..., Path], name: str
+) -> None:
+    folder, victim = make_run(outcome="interrupted"), tmp_path / "victim"
+    if (folder / name).exists():
+        (folder / name).rename(victim)
+    else:
+        victim.write_text("dear to somebody")
+    with victim.open("ab") as file:
+        file.write(b"torn")
+    before = victim.read_bytes()
+    (folder / name).symlink_to("../victim")
+    for takes_up in (check_free, RunWriter.resume):
+        with pytest.raises(InputError, match=f"{name}: is a link; put the file itself"):
+            takes_up(folder)
+    assert victim.read_bytes() == before
+
+
+def test_a_link_that_is_laid_just_now_is_not_followed(tmp_path: Path) -> None:
+    (tmp_path / "windows.csv").symlink_to("victim")
+    with pytest.raises(BenchError, match=r"windows\.csv"):
+        AppendedFile(tmp_path / "windows.csv")
+    assert not (tmp_path / "victim").exists()
+
+
+@pytest.mark.parametrize("name", ["run.yaml.new", ".reserve", ".reserve-raw"])
+def test_a_link_in_the_place_of_a_file_that_is_made_new_is_not_followed(
+    tmp_path: Path, meta: dict[str, Any], name: str
+) -> None:
+    folder, victim = tmp_path / "run", tmp_path / "victim"
+    create(folder, meta, raw=True).close("interrupted")
+    victim.write_text("dear to somebody")
+    (folder / name).symlink_to("../victim")
+    RunWriter.resume(folder).close("interrupted")
+    assert victim.read_text() == "dear to somebody"
+
+
 KILLED = textwrap.dedent(
     """
     import sys
@@ -283,7 +323,10 @@ def test_raw_samples_survive_a_writer_that_never_closed(
     subprocess.run([sys.executable, "-c", script, str(folder / "raw.h5")], check=False)
     with h5py.File(folder / "raw.h5", "r", swmr=True) as file:
         assert len(file["counts"]) == 70_000
+    (tmp_path / "victim").write_text("dear to somebody")
+    (folder / "raw.h5.new").symlink_to("../victim")
     writer = RunWriter.resume(folder)
+    assert (tmp_path / "victim").read_text() == "dear to somebody"
     for block in blocks(70, 2):
         writer.raw(block)
     fill(writer, 0, 1)
