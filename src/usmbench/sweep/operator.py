@@ -49,6 +49,11 @@ class TerminalOperator:
             The load torque.
         ask
             Whether anything is to be done: a constant load is there already.
+
+        Raises
+        ------
+        usmbench.errors.BenchError
+            The question cannot be shown.
         """
         self._asked = ask
         if not ask:
@@ -57,8 +62,14 @@ class TerminalOperator:
         if self._reader is None:
             self._drop_unread()
         self._answered.clear()
-        self._output.write(f"\nThe drive is off. Set the load to {torque_nm:g} N·m, then Enter: ")
-        self._output.flush()
+        try:
+            self._output.write(
+                f"\nThe drive is off. Set the load to {torque_nm:g} N·m, then Enter: "
+            )
+            self._output.flush()
+        except OSError as error:
+            said = f"standard error cannot be written ({error.strerror or error})"
+            raise _nobody(said) from error
         if self._reader is None:
             # A thread of its own, since nothing can be waited for between two windows; os.read,
             # since a daemon thread inside sys.stdin would hold its lock as the program ends.
@@ -96,8 +107,12 @@ class TerminalOperator:
             self._asked = False
             return True
         if ended:
-            raise BenchError(
-                "nobody can be asked to set the load, standard input has ended; run this in a "
-                "terminal, or write load: constant into a plan of one torque"
-            )
+            raise _nobody("standard input has ended")
         return False
+
+
+def _nobody(why: str) -> BenchError:
+    return BenchError(
+        f"nobody can be asked to set the load, {why}; run this in a terminal, or write "
+        "load: constant into a plan of one torque"
+    )

@@ -99,3 +99,11 @@ def test_nobody_there_is_told(pipe: tuple[int, int]) -> None:
     operator.set_load(0.1, ask=True)
     with pytest.raises(BenchError, match="load: constant"):
         wait_for(operator)
+
+
+def test_a_question_that_nobody_can_see_is_told(pipe: tuple[int, int]) -> None:
+    os.close(pipe[0])
+    output = io.FileIO(pipe[1], "w", closefd=False)
+    operator = TerminalOperator(io.TextIOWrapper(output, write_through=True), pipe[0])
+    with pytest.raises(BenchError, match=r"nobody .*standard error .*Broken pipe.*load: constant"):
+        operator.set_load(0.1, ask=True)
