@@ -3,7 +3,7 @@
 import argparse
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -14,6 +14,7 @@ from usmbench.cli.same_bench import check_same_bench
 from usmbench.cli.simulated_motor import SimulatedMotor
 from usmbench.cli.sweep_run import sweep_again, sweep_new
 from usmbench.errors import InputError
+from usmbench.instruments.frame_log import log_error
 from usmbench.report.plain_text import file_name, printable
 from usmbench.runs.columns import RUN_FILE
 from usmbench.runs.meta import read_meta
@@ -186,5 +187,13 @@ def _frame_log(file: Path | None) -> Iterator[TextIO | None]:
         log = file.open("w", encoding="utf-8")
     except OSError as error:
         raise cannot_write(file, error) from error
-    with log:
+    try:
         yield log
+    except BaseException:
+        with suppress(OSError):  # what ended the sweep is the error to be seen
+            log.close()
+        raise
+    try:
+        log.close()
+    except OSError as error:
+        raise log_error(log, error) from error

@@ -8,8 +8,25 @@ from usmbench.instruments.protocol.frames import Frame
 from usmbench.instruments.protocol.messages import describe
 
 
+def log_error(stream: TextIO, error: OSError) -> BenchError:
+    """Return what the user is told when the log cannot be written.
+
+    Parameters
+    ----------
+    stream
+        The log.
+    error
+        What the system said.
+    """
+    # A stream in memory has no name.
+    return BenchError(
+        f"{getattr(stream, 'name', '-')}: the frame log cannot be written "
+        f"({error.strerror or error}); free some space, or leave the log out"
+    )
+
+
 class FrameLog:
-    """Writes one line for each write to and each read from the port.
+    """Writes one line for each write to and each read from the port, until the stream fails.
 
     A line has the seconds since the first one, ``>`` to the board or ``<`` from it, the bytes in
     hexadecimal, and the frames that end in them.
@@ -26,6 +43,7 @@ class FrameLog:
         self._stream = stream
         self._clock = clock
         self._start_s = clock()
+        self._failed = False
 
     def sent(self, data: bytes, frame: Frame) -> None:
         """Log what was written.
@@ -57,11 +75,13 @@ class FrameLog:
         self._line("<", data, meanings)
 
     def _line(self, direction: str, data: bytes, meanings: Sequence[str]) -> None:
+        # A full disk is told of once: what is sent after it, to switch off, needs no log.
+        if self._failed:
+            return
         time_s = self._clock() - self._start_s
         line = f"{time_s:12.6f} {direction} {data.hex(' ')}  {'; '.join(meanings)}"
         try:
             self._stream.write(line.rstrip() + "\n")
         except OSError as error:
-            raise BenchError(
-                f"the frame log cannot be written ({error}): make room, or leave it out"
-            ) from error
+            self._failed = True
+            raise log_error(self._stream, error) from error

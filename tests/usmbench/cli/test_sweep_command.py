@@ -18,7 +18,7 @@ from usmbench.instruments.generator import SignalGenerator
 from usmbench.runs.writer import RunWriter
 from usmbench.settings.bench import BenchSettings
 
-PLAN = {
+PLAN: dict[str, Any] = {
     "format": "usmbench-plan/1",
     "name": "short",
     "frequency_hz": 41000,
@@ -161,6 +161,27 @@ def test_a_plan_cannot_speak_to_the_terminal(
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == "plan       a�[2Jb"
     assert all(line.isprintable() for line in lines)
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a disk that is full")
+@pytest.mark.parametrize(("windows", "outcome"), [(20, "completed"), (2000, "failed: /dev/full")])
+def test_a_frame_log_without_room_is_named(
+    opened: Opened,
+    plan: Path,
+    capsys: pytest.CaptureFixture[str],
+    windows: int,
+    outcome: str,
+) -> None:
+    wrong(plan, dwell=PLAN["dwell"] | {"windows": windows})
+    words = ["--bench", "simulated", "--out", "out", "--frame-log", "/dev/full"]
+    assert main(["sweep", str(plan), *words]) == 3
+    output = capsys.readouterr()
+    assert output.out == "out\n"
+    assert output.err == (
+        "usmbench: /dev/full: the frame log cannot be written (No space left on device); "
+        "free some space, or leave the log out\n"
+    )
+    assert yaml.safe_load(Path("out/run.yaml").read_text())["exit"].startswith(outcome)
 
 
 def wrong(plan: Path, **keys: object) -> Path:

@@ -123,7 +123,7 @@ def test_a_port_that_goes_in_use_is_opened_anew_to_switch_off(
     assert not hasattr(caught.value, "__notes__")
 
 
-def test_a_frame_log_without_room_does_not_keep_the_drive_on(port: Any) -> None:
+def test_a_frame_log_without_room_fails_once_and_the_drive_goes_off(port: Any) -> None:
     class Full(io.StringIO):
         full = False
 
@@ -135,8 +135,10 @@ def test_a_frame_log_without_room_does_not_keep_the_drive_on(port: Any) -> None:
     log = Full()
     generator = connect(port, frame_log=log)
     log.full = True
-    # Each attempt reaches the board before its line cannot be written.
-    port.expect(off(3), off(4, resend=True), off(5, resend=True))
-    with pytest.raises(BenchError, match="No space left"), generator:
-        pass
+    port.expect(phase(3, 512), off(4, resend=True))
+    with pytest.raises(BenchError, match=r"frame log .*No space left") as caught, generator:
+        generator.phase_deg = 45.0
+    # The board's answer was read: nobody is told that the drive may be on.
+    assert not hasattr(caught.value, "__notes__")
+    assert port.steps == []
     assert port.closed
