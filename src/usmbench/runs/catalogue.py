@@ -151,9 +151,10 @@ def _instant(value: object) -> datetime | None:
     """Return an instant with its zone; YAML may have made a date of it."""
     try:
         when = value if isinstance(value, datetime) else datetime.fromisoformat(str(value))
-    except ValueError:
+        # Of the calendar's first and last day there is none in another zone.
+        return when if when.tzinfo is not None else when.astimezone()
+    except (ValueError, OverflowError):
         return None
-    return when if when.tzinfo is not None else when.astimezone()
 
 
 def _age(run: RunSummary) -> tuple[datetime, str]:

@@ -9,11 +9,13 @@ from typing import Any
 
 from usmbench.errors import InputError
 from usmbench.runs.columns import FORMAT, RUN_FILE
+from usmbench.settings.regular_file import refuse_endless
 from usmbench.settings.schema import check
-from usmbench.settings.yaml_source import Source, read_source
+from usmbench.settings.yaml_source import MAX_NUMBER, Source, read_source
 
 _TELLS_MOTOR = ("name", "maker", "type", "model", "serial", "serial_number", "id")
-_MOST_BYTES = 10_000_000  # users may keep much beside what the run says
+MOST_BYTES = 10_000_000
+"""Length of a run.yaml at most; users may keep much beside what the run says."""
 
 
 def iso(moment: datetime) -> str:
@@ -93,7 +95,7 @@ def run_source(folder: Path) -> Source:
     """
     path = folder / RUN_FILE
     mend = "name a run folder or a CSV file"
-    source = read_source(path, _MOST_BYTES, plain=False, mend=mend)
+    source = read_source(path, MOST_BYTES, plain=False, mend=mend)
     if not isinstance(source.document, dict):
         raise InputError(f"has no keys; it must at least say format: {FORMAT}", file=path)
     stated = source.document.get("format")
@@ -140,10 +142,11 @@ def said_numbers(value: object) -> tuple[float, ...]:
     Parameters
     ----------
     value
-        What stands there; what is no number is left out.
+        What stands there; what is no number, or one beyond any plan's, is left out.
     """
     values = value if isinstance(value, list) else [value]
-    return tuple(float(number) for number in values if isinstance(number, int | float))
+    numbers = (number for number in values if isinstance(number, int | float))
+    return tuple(float(number) for number in numbers if abs(number) <= MAX_NUMBER)
 
 
 def changed_files(folder: Path, sums: object) -> list[str]:
@@ -164,7 +167,7 @@ def changed_files(folder: Path, sums: object) -> list[str]:
     Raises
     ------
     usmbench.errors.InputError
-        The sums are none, or of a file that lies outside the folder or cannot be read.
+        The sums are none, or of a file that lies outside the folder, has no end or cannot be read.
     """
     if sums is None:
         return []
@@ -174,6 +177,7 @@ def changed_files(folder: Path, sums: object) -> list[str]:
     changed = []
     for name, expected in sums.items():
         path = inside(folder, name)
+        refuse_endless(path)
         try:
             unchanged = sha256_of(path) == expected
         except FileNotFoundError:

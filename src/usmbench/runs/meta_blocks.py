@@ -14,7 +14,8 @@ from typing import Any, Final, TypeVar
 import yaml
 
 from usmbench.runs.columns import FORMAT, RUN_FILE
-from usmbench.runs.meta import run_source
+from usmbench.runs.meta import MOST_BYTES, run_source
+from usmbench.settings.regular_file import refuse_endless
 
 _Answer = TypeVar("_Answer")
 
@@ -42,17 +43,13 @@ class MetaBlocks:
     Raises
     ------
     usmbench.errors.InputError
-        No such file, or not of a format this version reads.
+        No such file, one without an end, or not of a format this version reads.
     """
 
     def __init__(self, folder: Path):
         self._folder = folder
         self._whole: dict[str, Any] | None = None
-        try:
-            text = (folder / RUN_FILE).read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError):
-            text = ""
-        self._blocks = _cut(text)
+        self._blocks = _cut(_text(folder / RUN_FILE))
         if self._blocks is None or self.get("format") != FORMAT:
             self._whole = run_source(folder).document
 
@@ -97,6 +94,17 @@ class MetaBlocks:
             except (yaml.YAMLError, ValueError):
                 self._whole = run_source(self._folder).document
         return of_value(None if self._whole is None else self._whole.get(key))
+
+
+def _text(path: Path) -> str:
+    """Return what the file says, nothing where that is left to `run_source` to refuse."""
+    refuse_endless(path)
+    try:
+        with path.open(encoding="utf-8") as file:
+            text = file.read(MOST_BYTES + 1)
+    except (OSError, UnicodeDecodeError):
+        return ""
+    return text if len(text) <= MOST_BYTES else ""
 
 
 def _below(block: str, keys: list[str]) -> list[Any]:

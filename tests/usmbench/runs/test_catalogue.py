@@ -10,6 +10,7 @@ from types import ModuleType
 import pytest
 
 from usmbench.errors import InputError
+from usmbench.runs import meta, meta_blocks
 from usmbench.runs.catalogue import changed_data, find_runs
 from usmbench.runs.condition import parse_condition
 
@@ -112,6 +113,63 @@ def test_a_bare_run_is_listed_with_what_it_has(tmp_path: Path) -> None:
     (tmp_path / "run.yaml").write_text("format: usmbench-run/1\nplan: 3\nstarted: [1]\nexit: 4\n")
     (run,) = find_runs(tmp_path).runs
     assert (run.started, run.plan, run.frequencies_hz, run.exit_text) == (None, None, (), "4")
+
+
+@pytest.mark.parametrize(
+    "odd",
+    [
+        "plan: {frequency_hz: .nan, torque_nm: [.inf, -.inf]}",
+        f"plan: {{frequency_hz: {'9' * 400}, torque_nm: []}}",
+        "started: 0001-01-01T00:00:00",
+        "started: '0001-01-01T00:00:00'",
+    ],
+)
+def test_what_no_bench_has_measured_is_not_said(runs: Path, odd: str) -> None:
+    (runs / "b" / "run.yaml").write_text(f"format: usmbench-run/1\nid: b\n{odd}\n")
+    found = find_runs(runs)
+    run = next(run for run in found.runs if run.run_id == "b")
+    assert (run.started, run.frequencies_hz) == (None, ())
+    assert len(found.runs) == 3
+
+
+def pipe(place: Path) -> None:
+    os.mkfifo(place)
+
+
+def endless(place: Path) -> None:
+    place.symlink_to("/dev/zero")
+
+
+@pytest.mark.parametrize("lay", [pipe, endless])
+def test_a_run_yaml_without_an_end_does_not_hide_the_others(
+    runs: Path, lay: Callable[[Path], None]
+) -> None:
+    (runs / "b" / "run.yaml").unlink()
+    lay(runs / "b" / "run.yaml")
+    found = find_runs(runs)
+    assert [run.run_id for run in found.runs] == ["a", "c"]
+    assert "b/run.yaml: is a pipe or a device" in found.unreadable[0]
+
+
+def test_a_run_yaml_that_is_too_long_is_not_read_whole(
+    runs: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for module in (meta, meta_blocks):
+        monkeypatch.setattr(module, "MOST_BYTES", 1000)
+    with (runs / "b" / "run.yaml").open("a") as file:
+        file.write("note: " + 1000 * "x" + "\n")
+    found = find_runs(runs)
+    assert [run.run_id for run in found.runs] == ["a", "c"]
+    assert "b/run.yaml: is longer than 1000 bytes" in found.unreadable[0]
+
+
+@pytest.mark.parametrize("name", ["windows.csv", "pairs.csv"])
+def test_data_that_is_a_pipe_cannot_be_checked(make_run: Callable[..., Path], name: str) -> None:
+    folder = make_run()
+    (folder / name).unlink()
+    pipe(folder / name)
+    with pytest.raises(InputError, match=f"{name}: is a pipe or a device"):
+        changed_data(folder)
 
 
 def test_links_are_left_alone(runs: Path) -> None:
