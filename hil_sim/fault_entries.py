@@ -5,10 +5,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
 from hil_sim.faults import CAUSES, OPTIONS, Fault, FaultKind
 from usmbench.errors import InputError
+from usmbench.settings.yaml_source import read_source
 
 
 def parse_fault(text: str) -> Fault:
@@ -48,14 +48,7 @@ def read_faults(path: Path) -> list[Fault]:
     usmbench.errors.InputError
         The file cannot be read or an entry does not describe a fault.
     """
-    try:
-        entries = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"the faults cannot be read: {error}", file=path) from error
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        line = mark.line + 1 if mark else None
-        raise InputError("this is not YAML; mend the line", file=path, line=line) from error
+    entries = read_source(path).document
     if not isinstance(entries, list):
         raise InputError("expected a list of faults, each with kind and time_s", file=path)
     try:
@@ -109,6 +102,8 @@ def _fault(entry: Any, where: str) -> Fault:
         number = entry.get(name, 0)
         if isinstance(number, bool) or not isinstance(number, (int, float)):
             raise InputError(f"{where}: {name} must be a number")
+        if name in ("bit", "counts") and not isinstance(number, int):
+            raise InputError(f"{where}: {name} must be a whole number, not {number}")
     try:
         return Fault(**{**entry, "kind": FaultKind(entry["kind"])})
     except InputError as error:

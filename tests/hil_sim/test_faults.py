@@ -1,6 +1,7 @@
 """Schedules of faults, and the texts they are read from."""
 
 import math
+import os
 from contextlib import suppress
 from pathlib import Path
 
@@ -59,6 +60,8 @@ def test_faults_on_the_command_line() -> None:
         ("board_reset@1,cause=anger", "is one of power_on"),
         ("counter_wrap@1", "its time is 0"),
         ("counter_wrap@0,counts=0", "counts must be positive"),
+        ("counter_wrap@0,counts=1.5", "counts must be a whole number, not 1.5"),
+        ("flipped_byte@1,bit=3.0", "bit must be a whole number, not 3.0"),
         ("dead_channel@1,channel=c", "channel is a or b"),
         ("slipped_coupling@1,duration_s=0", "duration_s must be positive"),
     ],
@@ -90,6 +93,7 @@ def test_a_file_of_faults(tmp_path: Path) -> None:
         ("- port_gone", "entry 1"),
         ("- {kind: port_gone, time_s: 1}\n- {kind: port_gone, time_s: true}", "entry 2: time_s"),
         ("- {kind: [1], time_s: 1}", "no such kind"),
+        ("- {kind: port_gone, time_s: 2026-99-99}", "entry 1: time_s must be a number"),
     ],
 )
 def test_a_wrong_file_is_refused_with_the_place(tmp_path: Path, text: str, says: str) -> None:
@@ -103,6 +107,12 @@ def test_a_wrong_file_is_refused_with_the_place(tmp_path: Path, text: str, says:
 def test_a_missing_file_is_an_input_error(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="cannot be read"):
         read_faults(tmp_path / "none.yaml")
+
+
+def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "faults.yaml")
+    with pytest.raises(InputError, match=r"faults\.yaml: is a pipe or a device"):
+        read_faults(tmp_path / "faults.yaml")
 
 
 def test_chance_draws_every_kind_within_the_time() -> None:

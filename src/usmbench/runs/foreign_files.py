@@ -9,6 +9,7 @@ from usmbench.runs.foreign_csv import CsvFile
 from usmbench.runs.foreign_mat import MatFile
 from usmbench.runs.record import Column
 from usmbench.settings.import_mapping import CsvDialect
+from usmbench.settings.regular_file import refuse_endless
 
 
 class ForeignFile(Protocol):
@@ -38,8 +39,9 @@ def open_foreign(path: Path, dialect: CsvDialect) -> ForeignFile:
     Raises
     ------
     usmbench.errors.InputError
-        It cannot be read, or is not what its name says.
+        It cannot be read, has no end, or is not what its name says.
     """
+    refuse_endless(path)
     try:
         if path.suffix.casefold() == ".mat":
             return MatFile(path)

@@ -280,6 +280,14 @@ def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
             read_foreign(tmp_path / name, mapping)
 
 
+@pytest.mark.parametrize("name", ["endless.csv", "endless.mat"])
+def test_what_has_no_end_is_refused(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).symlink_to("/dev/zero")
+    mapping = load_mapping(mapping_file(tmp_path, PLAIN))
+    with pytest.raises(InputError, match=f"{name}: is a pipe or a device"):
+        read_foreign(tmp_path / name, mapping)
+
+
 def test_text_in_another_encoding_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "data.csv"
     file.write_bytes("t,phi,w\n0,0,é\n".encode("latin-1"))
