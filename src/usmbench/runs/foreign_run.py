@@ -9,6 +9,7 @@ import numpy as np
 
 from usmbench.errors import InputError
 from usmbench.runs.foreign_files import ForeignFile, open_foreign
+from usmbench.runs.reader import LIMITED, first_beyond
 from usmbench.runs.record import Column, Record
 from usmbench.runs.time_step import usual_step_s
 from usmbench.settings.import_mapping import (
@@ -24,6 +25,7 @@ _OPTIONAL = ("frequency_hz", "torque_nm", "angle_rad", "sweep", "settled", "temp
 _MAY_BE_MISSING = "temperature_c"
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what overflows is beyond a limit
 def read_foreign(file: Path, mapping: ImportMapping) -> Record:
     """Read a file by its mapping.
 
@@ -64,8 +66,11 @@ def read_foreign(file: Path, mapping: ImportMapping) -> Record:
     _check_rising(foreign, columns)
     _add_time(columns)
     columns |= _from_counts(raw, columns, mapping)
+    first_row = 0
     if "speed_rad_s" not in columns:
         columns, extra = _differenced(columns, extra)
+        first_row = 1
+    _check_limits(foreign, columns | extra, first_row)
     return _record(file, columns, extra)
 
 
@@ -170,6 +175,15 @@ def _differenced(
     shorter = {name: column[1:] for name, column in columns.items()}
     shorter["t_s"] = shorter["t_s"] - columns["t_s"][0]
     return shorter | {"speed_rad_s": speed_rad_s}, {name: c[1:] for name, c in extra.items()}
+
+
+def _check_limits(foreign: ForeignFile, columns: Mapping[str, Column], first_row: int) -> None:
+    """Refuse what no reader of the run would take."""
+    for name in LIMITED:
+        beyond = first_beyond(name, columns[name]) if name in columns else None
+        if beyond is not None:
+            row, message = beyond
+            raise foreign.error(first_row + row, message)
 
 
 def _record(file: Path, columns: dict[str, Column], extra: dict[str, Column]) -> Record:

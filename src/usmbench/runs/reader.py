@@ -28,6 +28,8 @@ _NEEDED = ("phase_deg", "speed_rad_s")
 _OPTIONAL = ("frequency_hz", "torque_nm", "angle_rad", "sweep", "settled")
 _KNOWN = ("t_s", *_NEEDED, "window_s", *_OPTIONAL, TEMPERATURE_COLUMN)
 _NUMBERS = (*_KNOWN, DRIVE_COLUMN)
+LIMITED = tuple(name for name in _NUMBERS if name != TEMPERATURE_COLUMN)
+"""Columns of the windows that `first_beyond` is asked about; a temperature may be missing."""
 # What a column may hold, the ends included; 360 for those who count φ from 0.
 _LIMITS = {
     "phase_deg": (-360.0, 360.0),
@@ -70,7 +72,7 @@ def read_run(path: Path | str) -> Record:
         windows, whole = path, False
     needed = ("t_s", *_NEEDED) if whole else _NEEDED
     table = read_table(windows, needed=needed, numbers=_NUMBERS, whole_rows=whole)
-    columns = _checked(table, (name for name in _NUMBERS if name != TEMPERATURE_COLUMN))
+    columns = _checked(table, LIMITED)
     window_s = _window_s(table, columns, meta)
     t_s = columns["t_s"] if "t_s" in columns else np.cumsum(window_s)
     _rising(table, t_s)
@@ -109,6 +111,25 @@ def _as_column(table: Table, name: str) -> Column | None:
     return None if column is None else column.astype(np.float64, copy=False)
 
 
+def first_beyond(name: str, column: Column) -> tuple[int, str] | None:
+    """Return the first row that holds what its column may not, and what is wrong there.
+
+    Parameters
+    ----------
+    name
+        The column's name.
+    column
+        Its values.
+    """
+    low, high = _LIMITS.get(name, (-BEYOND_MEASURE, BEYOND_MEASURE))
+    wrong = np.flatnonzero(~(np.isfinite(column) & (low <= column) & (column <= high)))
+    if not len(wrong):
+        return None
+    value = column[wrong[0]]
+    limits = f", not {low:g} to {high:g}" if math.isfinite(value) else ""
+    return int(wrong[0]), f"{name} is {value:.12g}{limits}; mend or remove the row"
+
+
 def _checked(table: Table, names: Iterable[str]) -> dict[str, Column]:
     """Return those of the columns that the table has, their numbers checked, phases wrapped."""
     columns: dict[str, Column] = {}
@@ -116,16 +137,10 @@ def _checked(table: Table, names: Iterable[str]) -> dict[str, Column]:
         column = _as_column(table, name)
         if column is None:
             continue
-        low, high = _LIMITS.get(name, (-BEYOND_MEASURE, BEYOND_MEASURE))
-        wrong = np.flatnonzero(~(np.isfinite(column) & (low <= column) & (column <= high)))
-        if len(wrong):
-            value = column[wrong[0]]
-            limits = f", not {low:g} to {high:g}" if math.isfinite(value) else ""
-            raise InputError(
-                f"{name} is {value:.12g}{limits}; mend or remove the row",
-                file=table.path,
-                line=table.line_of(int(wrong[0])),
-            )
+        beyond = first_beyond(name, column)
+        if beyond is not None:
+            row, message = beyond
+            raise InputError(message, file=table.path, line=table.line_of(row))
         columns[name] = _wrapped(column) if name == "phase_deg" else column
     return columns
 

@@ -112,7 +112,7 @@ def test_counts_of_a_window_or_a_second(tmp_path: Path, unit: str, factor: float
 
 @given(
     st.sampled_from([(name, unit) for name, units in UNITS.items() for unit in units]),
-    st.floats(-1e3, 1e3),
+    st.floats(-1.0, 1.0),
 )
 @SETTINGS
 def test_every_unit_has_a_factor_and_an_offset(
@@ -121,6 +121,8 @@ def test_every_unit_has_a_factor_and_an_offset(
     name, unit = named
     if name in ("t_s", "window_s"):
         value = abs(value) + 1.0
+    elif name in ("frequency_hz", "settled"):
+        value = abs(value)
     columns = PLAIN | {name: {"from": "x", "unit": unit}}
     keys = {} if name in ("t_s", "window_s") else {"constants": {"window_s": 0.5}}
     run = imported(tmp_path, f"t,phi,w,x\n1,0,0,{value!r}\n", columns, **keys)
@@ -208,6 +210,34 @@ def test_any_text_is_a_run_or_a_message(tmp_path: Path, text: str) -> None:
 )
 def test_a_wrong_file_names_the_line(tmp_path: Path, text: str, message: str) -> None:
     assert message in refusal(tmp_path, text, PLAIN)
+
+
+@pytest.mark.parametrize(
+    ("row", "unit", "says"),
+    [
+        ("1,0,1e300", "deg", "speed_rad_s is 1e+300, not -1e+12 to 1e+12; mend or remove the row"),
+        ("1,1000,0", "deg", "phase_deg is 1000, not -360 to 360"),
+        ("1,-1.1,0", "turn", "phase_deg is -396, not -360 to 360"),
+        ("1,1e308,0", "turn", "phase_deg is inf; mend or remove the row"),
+    ],
+)
+def test_what_no_reader_would_take_is_refused(
+    tmp_path: Path, row: str, unit: str, says: str
+) -> None:
+    columns = PLAIN | {"phase_deg": {"from": "phi", "unit": unit}}
+    assert f"data.csv:3: {says}" in refusal(tmp_path, f"t,phi,w\n0,0,0\n{row}\n", columns)
+
+
+def test_the_row_of_a_speed_that_was_differenced_is_that_of_the_file(tmp_path: Path) -> None:
+    columns = {name: PLAIN[name] for name in ("t_s", "phase_deg")}
+    columns["angle_rad"] = {"from": "a", "unit": "rad"}
+    text = "t,phi,a\n0,0,0\n1,0,1\n1.0000001,0,1e6\n"
+    assert "data.csv:4: speed_rad_s is 9.9999" in refusal(tmp_path, text, columns)
+
+
+def test_a_kept_column_that_the_reader_knows_is_held_to_its_limits(tmp_path: Path) -> None:
+    said = refusal(tmp_path, "t,phi,w,drive_on\n0,0,0,1\n1,0,0,5\n", PLAIN, keep=["drive_on"])
+    assert "data.csv:3: drive_on is 5, not 0 to 1" in said
 
 
 @pytest.mark.parametrize("cell", ["1.000", "1.000,5", "1.5"])
