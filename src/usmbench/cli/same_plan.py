@@ -8,7 +8,7 @@ import numpy as np
 
 from usmbench.errors import InputError
 from usmbench.runs.columns import PAIRS_FILE, RUN_FILE
-from usmbench.runs.csv_table import read_table
+from usmbench.runs.csv_table import has_names, read_table
 from usmbench.settings.plan import Plan
 from usmbench.sweep.schedule import WARM_UP, Dwell, schedule
 
@@ -33,7 +33,7 @@ def check_same_plan(folder: Path, plan: Plan, window_s: float) -> None:
         A pair belongs to no dwell of the plan, or pairs.csv cannot be read.
     """
     path, columns = folder / PAIRS_FILE, (*_SETTING, "dwell")
-    if not path.exists() or not path.stat().st_size:
+    if not has_names(path):
         return
     table = read_table(path, needed=columns, numbers=columns, whole_rows=True, may_be_empty=True)
     measured = np.column_stack([table.columns[name].astype(np.float64) for name in columns])

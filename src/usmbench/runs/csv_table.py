@@ -94,6 +94,22 @@ def read_table(
     return Table(path, columns)
 
 
+def has_names(path: Path) -> bool:
+    """Return whether a file that a sweep writes is there, with its line of column names whole.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Raises
+    ------
+    usmbench.errors.InputError
+        It cannot be read.
+    """
+    return path.exists() and b"\n" in _content(path)
+
+
 def _content(path: Path) -> bytes:
     """Return what is in the file, without the zeros that a power cut may leave at its end."""
     refuse_endless(path)

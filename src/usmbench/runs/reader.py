@@ -16,7 +16,7 @@ from usmbench.runs.columns import (
     TEMPERATURE_COLUMN,
     WINDOWS_FILE,
 )
-from usmbench.runs.csv_table import Table, read_table
+from usmbench.runs.csv_table import Table, has_names, read_table
 from usmbench.runs.dwells import derive_pairs
 from usmbench.runs.meta import changed_files, read_meta, said_window_s
 from usmbench.runs.record import Column, Pairs, Record
@@ -183,7 +183,7 @@ def _window_s(table: Table, columns: dict[str, Column], meta: dict[str, Any]) ->
 
 def _read_pairs(path: Path) -> Pairs | None:
     """Return the pairs of pairs.csv, None where there are none."""
-    if not path.exists():
+    if not has_names(path):
         return None
     table = read_table(
         path, needed=PAIR_COLUMNS, numbers=PAIR_COLUMNS, whole_rows=True, may_be_empty=True

@@ -187,6 +187,18 @@ def test_the_commands_of_a_run_that_was_paused_are_those_of_its_plan(
         assert [one for one, _ in groupby(driven)] == planned
 
 
+@pytest.mark.parametrize("torn", ["", "phase_deg,fre"])
+def test_a_run_whose_pairs_were_cut_before_their_first_row_goes_on(
+    tmp_path: Path, torn: str
+) -> None:
+    plan, folder = plan_of(passes=[{"phase_deg": [30, 60]}]), tmp_path / "run"
+    with pytest.raises(KeyboardInterrupt):
+        sweep_new(bench_of()[1], plan, folder, observer=StopAfter(5))
+    (folder / "pairs.csv").write_text(torn)
+    sweep_again(bench_of()[1], plan, folder)
+    assert [pair["phase_deg"] for pair in rows(folder / "pairs.csv")] == [30, 60]
+
+
 class AskToStop(StopAfter):
     """Somebody at another process who wants to stop once so many windows have been measured."""
 

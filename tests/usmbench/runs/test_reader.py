@@ -280,6 +280,17 @@ def test_phases_counted_from_0_to_360_are_wrapped(tmp_path: Path) -> None:
     assert run.pairs.phase_deg.tolist() == [-90.0]
 
 
+@pytest.mark.parametrize("torn", ["", "phase_deg,fre", "phase_deg\0\0", "\0"])
+def test_pairs_that_were_cut_before_their_first_row_are_derived(
+    make_run: Callable[..., Path], torn: str
+) -> None:
+    folder = make_run(outcome="interrupted")
+    (folder / "pairs.csv").write_text(torn)
+    pairs = read_run(folder).pairs
+    assert pairs is not None
+    assert pairs.phase_deg.tolist() == [0.0, 5.0, 10.0]
+
+
 def test_a_run_folder_needs_its_two_files(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"run\.yaml: cannot be read"):
         read_run(tmp_path)
