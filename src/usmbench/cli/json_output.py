@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from usmbench.runs.output_files import write_output
+from usmbench.runs.output_files import escaped, write_output
 
 
 def write_json(target: str, content: dict[str, Any]) -> None:
@@ -23,7 +23,7 @@ def write_json(target: str, content: dict[str, Any]) -> None:
     InputError
         The file cannot be written.
     """
-    text = json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+    text = escaped(json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False)) + "\n"
     if target == "-":
         sys.stdout.write(text)
         return

@@ -16,7 +16,7 @@ from scipy.signal import TransferFunction
 
 from usmbench.model.hammerstein import HammersteinModel, LinearPart
 from usmbench.model.other_tools import field_names, package
-from usmbench.runs.output_files import write_output
+from usmbench.runs.output_files import escaped, write_output
 from usmbench.runs.record import Pairs, Record
 
 if TYPE_CHECKING:
@@ -212,4 +212,4 @@ def _columns(record: Record) -> dict[str, Any]:
 def _about(record: Record) -> dict[str, str]:
     """Return what a file says of a run beside its columns."""
     run_yaml = yaml.safe_dump(record.meta, sort_keys=False, allow_unicode=True)
-    return {"name": record.name, "run_yaml": run_yaml}
+    return {"name": escaped(record.name), "run_yaml": run_yaml}

@@ -45,6 +45,17 @@ def write_output(path: Path, content: str | bytes) -> None:
         raise cannot_write(path, error) from error
 
 
+def escaped(text: str) -> str:
+    """Return text with JSON's escape for each byte of a file name that is not UTF-8.
+
+    Parameters
+    ----------
+    text
+        Such as the name of a run.
+    """
+    return text.encode("utf-8", "backslashreplace").decode("utf-8")
+
+
 def real_path(path: Path) -> Path:
     """Return where a file to be written lies, links followed.
 

@@ -1,5 +1,6 @@
 """usmbench export and usmbench import: the way out, and the way back in."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -69,6 +70,16 @@ def test_netcdf_has_the_columns_the_units_and_run_yaml(run: Path) -> None:
         assert data["phase_deg"].attrs["units"] == "deg"
         assert data["average_rad_s"].dims == ("t_s",)
         assert yaml.safe_load(data.attrs["run_yaml"])["motor"] == "x"
+
+
+@pytest.mark.skipif(sys.platform in {"darwin", "win32"}, reason="file names are Unicode there")
+@pytest.mark.parametrize("ending", ["csv", "mat", "nc", "parquet"])
+def test_a_run_whose_name_is_no_utf_8_is_exported(run: Path, ending: str) -> None:
+    odd = run.rename(run.with_name(os.fsdecode(b"b\xffd")))
+    file = exported(odd, f"run.{ending}")
+    if ending == "nc":
+        with xr.open_dataset(file, engine="h5netcdf") as data:
+            assert data.attrs["name"].endswith("b\\udcffd")
 
 
 def test_matlab_has_windows_and_pairs(run: Path) -> None:

@@ -1,6 +1,8 @@
 """usmbench runs: the list, its conditions, its check sums."""
 
 import json
+import os
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -45,6 +47,19 @@ def test_the_list_says_when_what_and_how_it_ended(
     assert "41/41.5 kHz, 0/0.1 N·m  completed    -" in lines[1]
     assert "telegraph" in lines[2]
     assert lines[-1] == "2 runs"
+
+
+@pytest.mark.skipif(sys.platform in {"darwin", "win32"}, reason="file names are Unicode there")
+def test_the_json_names_a_folder_whose_name_is_no_utf_8(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    name = os.fsdecode(b"b\xffd")
+    make_run(tmp_path / name, "telegraph")
+    file = tmp_path / "runs.json"
+    said_of(capsys, str(tmp_path), "--json", str(file))
+    printed = "\n".join(said_of(capsys, str(tmp_path), "--json", "-"))
+    for text in (file.read_text(encoding="utf-8"), printed):
+        assert [Path(run["folder"]).name for run in json.loads(text)["runs"]] == [name]
 
 
 def test_a_condition_leaves_the_others_out(runs: Path, capsys: pytest.CaptureFixture[str]) -> None:
