@@ -106,11 +106,10 @@ def describe(plan: Plan, bench: BenchSettings, interlocks: InterlockSettings) ->
     yield f"plan       {plan.name}"
     if plan.warm_up is not None:
         yield f"warm-up    φ = {plan.warm_up.phase_deg:g}° for {plan.warm_up.duration_s:g} s"
-    passes = _passes(plan, window_s)
-    for sweep, line in enumerate(islice(passes, PASSES_SHOWN)):
+    for sweep, line in enumerate(islice(_passes(plan, window_s), PASSES_SHOWN)):
         yield f"pass {sweep:<5d} {line}"
-    further = sum(1 for _ in passes)
-    if further:
+    further = _n_passes(plan) - PASSES_SHOWN
+    if further > 0:
         yield f"           and {further} more"
     yield from _limits(plan, bench, interlocks)
     dwells = n_dwells(plan, window_s)
@@ -135,6 +134,13 @@ def _dwells_at_point(plan: Plan, window_s: float) -> int:
 
 def _warm_up_windows(plan: Plan, window_s: float) -> int:
     return 0 if plan.warm_up is None else max(1, round(plan.warm_up.duration_s / window_s))
+
+
+def _n_passes(plan: Plan) -> int:
+    at_point = sum(one.repeats * len(ways_of(one)) for one in plan.passes)
+    if plan.excitation is not None:
+        at_point += 1
+    return len(plan.frequency_hz) * len(plan.torque_nm) * at_point
 
 
 def _passes(plan: Plan, window_s: float) -> Iterator[str]:
