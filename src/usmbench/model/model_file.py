@@ -1,5 +1,6 @@
 """The model file: YAML that a person can read, with a version that is checked."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -138,7 +139,7 @@ def _check_format(content: object, path: Path) -> None:
     """Refuse what is no model, and what a newer usmbench wrote."""
     stated = content.get("format") if isinstance(content, dict) else None
     name, _, version = str(stated).partition("/")
-    if name != FORMAT or not version.isdigit():
+    if name != FORMAT or not re.fullmatch("[0-9]{1,9}", version):
         raise InputError(
             f"is no model file (format is {stated!r}, {FORMAT}/{VERSION} is wanted)", file=path
         )

@@ -66,6 +66,8 @@ def test_the_file_says_its_version_and_a_newer_one_is_refused(tmp_path: Path) ->
     ("old", "new", "words"),
     [
         ("usmbench-model/1", "usmbench-run/1", "is no model file"),
+        ("usmbench-model/1", "usmbench-model/²", "is no model file"),
+        ("usmbench-model/1", "usmbench-model/" + 5000 * "9", "is no model file"),
         ("method: fast", "method: [", "is not YAML"),
         ("window_s: 0.01", "other: 0.01", r"linear: has no key window_s"),
         ("dead_time_windows: 1", "dead_time_windows: many", "'many' is not a whole number"),
