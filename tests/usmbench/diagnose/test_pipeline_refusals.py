@@ -83,6 +83,7 @@ def test_knowledge_of_another_version(model: HammersteinModel) -> None:
         ("noise", "step_rad_s", [[[1.0], [2.0, 3.0]]], "step_rad_s has rows of different lengths"),
         ("noise", "same_again", [1.0, 0.5], "noise.same_again has not the shape"),
         ("noise", "ar", [1.0, 2.0], "noise.ar is no noise: it grows without end; identify"),
+        ("noise", "ar", 101 * [0.0], "noise.ar: has 101 entries; give at most 100"),
         ("noise", "innovation", 0.0, "noise.innovation: 0.0 is not above 0"),
         ("features", "nodes_deg", [2.0, 1.0], "features.nodes_deg does not rise; identify"),
         ("features", "unmeasured_rad_s", [1.0], "features.unmeasured_rad_s has not one value a"),

@@ -85,6 +85,8 @@ def test_the_file_says_its_version_and_a_newer_one_is_refused(tmp_path: Path) ->
         ("run_rad_s: 0.02", "run_rad_s: 0.02\n  diagnosis: 3", "diagnosis: 3 is not a mapping"),
         ("phase_offset", "gremlins", "effects: the cause 'gremlins' .* is not installed"),
         ("offset_deg: 2.0", "other: 2.0", "effects: the model's effect phase_offset lacks"),
+        ("a: [-0.05]", f"a: {5001 * [0.0001]}", "linear.a: has 5001 entries; give at most 100"),
+        ("b: [0.5, 0.45]", f"b: {1001 * [0.1]}", "linear.b: has 1001 entries; give at most 1000"),
         ("a: [-0.05]", "a: [.nan]", r"linear.a\[0\]: not a number"),
         ("knots_deg: [-90.0,", "knots_deg: [95.0,", r"points\[0\].knots_deg: the knots must rise"),
         ("delta_rad_s: [-10.0, 0.1, 10.0]", "delta_rad_s: [1.0, 2.0]", "2 ordinates for 3 knots"),
