@@ -136,7 +136,7 @@ def decode(
     elif state.next_sample != block.first_sample:
         raise DaqError(
             f"samples {state.next_sample} to {block.first_sample} of the counter are missing, "
-            "the angle is lost; lower sample_rate_hz or raise samples_per_average, and resume"
+            "the angle is lost; lower sample_rate_hz or raise samples_per_average, and begin again"
         )
     counts = block.counts
     n_samples = len(counts)

@@ -8,7 +8,7 @@ from typing import Final, Self
 
 from usmbench.errors import DaqError, InputError, NoDataError
 from usmbench.instruments.deadline import run_within
-from usmbench.instruments.nidaq_errors import opening_error, running_error, where
+from usmbench.instruments.nidaq_errors import BEGIN_AGAIN, opening_error, running_error, where
 from usmbench.instruments.nidaq_tasks import COUNTER_BITS, CardTasks
 from usmbench.instruments.samples import SampleBlock
 from usmbench.settings.bench import DaqSettings, TemperatureSettings
@@ -148,8 +148,8 @@ class NiSampleSource:
         seen = f"{where(self._settings)}: no data for {timeout_s:.3g} s after {expected} samples"
         if acquired > expected:
             return NoDataError(
-                f"{seen}, though the card has taken {acquired}: its events no longer come; resume "
-                "the run, and restart the device server where there is one"
+                f"{seen}, though the card has taken {acquired}: its events no longer come; "
+                f"restart the device server where there is one, then {BEGIN_AGAIN}"
             )
         return NoDataError(
             f"{seen}, and the card has taken no more: the sample clock "

@@ -12,6 +12,8 @@ UNKNOWN_DEVICE = -200220
 UNKNOWN_CHANNEL = -200170
 RESOURCE_RESERVED = -50103
 
+BEGIN_AGAIN = "begin again (a sweep goes on by sweep --resume)"
+
 _MEND = {
     UNKNOWN_DEVICE: "give the name that NI MAX shows for the card",
     UNKNOWN_CHANNEL: "give a counter and channels that the card has",
@@ -78,11 +80,11 @@ def running_error(error: Exception, settings: DaqSettings) -> DaqError:
     if isinstance(error, (ni.RpcError, grpc.RpcError, TimeoutError)) and settings.address:
         return DaqError(
             f"the NI gRPC device server at {settings.address} no longer answers: start it again, "
-            "then resume the run"
+            f"then {BEGIN_AGAIN}"
         )
     return DaqError(
         f"{where(settings)}: the acquisition failed ({type(error).__name__}: "
-        f"{_first_line(error)}); resume the run, and report this where it comes again"
+        f"{_first_line(error)}); {BEGIN_AGAIN}, and report this where it comes again"
     )
 
 
@@ -100,7 +102,7 @@ def _driver_error(error: ni.DaqError, settings: DaqSettings) -> DaqError:
             f"{settings.sample_clock!r} runs",
             code=code,
         )
-    mend = _MEND.get(code, "check the card in NI MAX, then resume the run")
+    mend = _MEND.get(code, f"check the card in NI MAX, then {BEGIN_AGAIN}")
     return DaqError(f"{where(settings)}: {_first_line(error)} (NI-DAQmx {code}); {mend}", code=code)
 
 

@@ -51,7 +51,8 @@ def _told(path: Path, error: OSError, safe: str) -> BenchError:
     what = "no space left on the disk" if full else error.strerror or str(error)
     mend = "free some space" if full else "mend the disk"
     return BenchError(
-        f"{path}: {what}; {safe}, {mend} and take the plan up again with --resume {path.parent}"
+        f"{path}: {what}; {safe}, {mend} and begin again (a sweep goes on by sweep --resume "
+        f"{path.parent})"
     )
 
 

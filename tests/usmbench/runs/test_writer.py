@@ -140,7 +140,9 @@ def test_a_full_disk_keeps_the_rows_and_says_what_to_do(
     real_write = os.write
     calls = [lambda f, b: real_write(f, b[:fits_bytes]), full_disk]
     monkeypatch.setattr(os, "write", lambda f, b: (calls.pop(0) if calls else full_disk)(f, b))
-    with pytest.raises(BenchError, match=r"no space left.*safe.*--resume"):
+    with pytest.raises(
+        BenchError, match=r"no space left.*safe.*begin again \(.* --resume .*run\)$"
+    ):
         writer.window(window(20))
     writer.close("interrupted")
     monkeypatch.undo()
