@@ -92,6 +92,24 @@ def test_an_unknown_command_ends_the_bridge() -> None:
         bridge.command("run 10000", "dance")
 
 
+CTRL_C = """\
+import os, signal, time
+from hil_sim.gpsim_bridge import GpsimBridge
+
+with GpsimBridge() as bridge:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    os.killpg(0, signal.SIGINT)
+    time.sleep(0.3)
+    bridge.command("run 10000")
+"""
+
+
+def test_ctrl_c_in_a_terminal_is_for_the_testbed_alone() -> None:
+    command = [sys.executable, "-c", CTRL_C]
+    done = subprocess.run(command, start_new_session=True, stderr=subprocess.PIPE, timeout=60)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
 def test_a_missing_build_is_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="make -C firmware"):
         GpsimBridge(tmp_path)
