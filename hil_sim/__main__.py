@@ -123,6 +123,8 @@ def build_plant(defects: Sequence[str], seed: int, model: Path | None = None) ->
 def _run(arguments: argparse.Namespace) -> None:
     if arguments.seed < 0:
         raise InputError(f"the seed must be 0 or more, not {arguments.seed}")
+    if arguments.stdin_control and sys.stdin is None:
+        raise InputError("--stdin-control needs standard input, which is closed; open it")
     faults = [parse_fault(text) for text in arguments.fault]
     if arguments.fault_file is not None:
         faults += read_faults(arguments.fault_file)

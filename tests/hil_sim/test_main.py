@@ -55,6 +55,14 @@ def test_it_says_where_it_is_and_ends_when_its_parent_does() -> None:
         assert process.stderr.read() == ""
 
 
+def test_control_from_a_standard_input_that_is_closed_is_refused() -> None:
+    command = ["sh", "-c", 'exec "$0" -m hil_sim --stdin-control <&-', sys.executable]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=20)
+    assert done.returncode == 2
+    assert done.stderr.startswith("hil_sim: --stdin-control needs standard input, which is closed")
+    assert done.stderr.count("\n") == 1
+
+
 def turned(plant: FaultablePlant) -> float:
     """Counts after half a second of drive."""
     plant.drive(0.0, Drive(41_000.0, 90.0, 1.0, 1.0))
