@@ -208,5 +208,5 @@ def test_counting_one_edge_a_line() -> None:
 
 def test_a_missing_block_is_an_error_and_not_a_false_speed() -> None:
     state, _ = decode(EncoderState(), SampleBlock(0, np.zeros(1000, np.int64)), GEOMETRY)
-    with pytest.raises(DaqError, match="samples 1000 to 2000.*and begin again$"):
+    with pytest.raises(DaqError, match=r"samples 1000 to 2000.*and begin again$"):
         decode(state, SampleBlock(2000, np.zeros(1000, np.int64)), GEOMETRY)
