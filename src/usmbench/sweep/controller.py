@@ -164,10 +164,19 @@ class SweepController:
             # Who watches knows before the question is on the terminal.
             self._window(None)
         operator.set_load(torque_nm, ask=self._ask_operator)
-        while not operator.load_is_set():
+        while not self._load_is_set():
             self._window(None)
         self._hands_off = True
         self._torque_nm = torque_nm
+
+    def _load_is_set(self) -> bool:
+        try:
+            return self._instruments.operator.load_is_set()
+        except BenchError:
+            # A terminal that is closed ends the input, and its signal may come a moment later.
+            self._window(None)
+            self._interrupts.check()
+            raise
 
     def _keep_pair(self, dwell: Dwell, settling: Settling, t_s: float) -> None:
         mean_rad_s, deviation_rad_s, n_windows = settling.pair()

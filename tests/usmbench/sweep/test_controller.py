@@ -1,3 +1,4 @@
+import signal
 from dataclasses import replace
 from typing import Any
 
@@ -174,6 +175,32 @@ def test_the_operator_sets_each_load_with_the_drive_off(
     assert sum(not row.drive_on for row in fake.windows) == waiting
     assert [pair.torque_nm for pair in fake.pairs] == [0.0, 0.1]
     assert np.max(np.diff(fake.contact_samples)) <= 26_000
+
+
+@pytest.mark.parametrize(("closed", "error"), [(True, KeyboardInterrupt), (False, BenchError)])
+def test_a_terminal_that_is_closed_stops_the_run_as_the_user_does(
+    fake: Any,
+    bench_settings: BenchSettings,
+    monkeypatch: pytest.MonkeyPatch,
+    closed: bool,
+    error: type[BaseException],
+) -> None:
+    next_block = fake.next_block
+
+    def after_the_end() -> SampleBlock:
+        if closed:
+            signal.raise_signal(signal.SIGTERM)  # SIGHUP in life, which Windows has not
+        block: SampleBlock = next_block()
+        return block
+
+    def ended() -> bool:
+        monkeypatch.setattr(fake, "next_block", after_the_end)
+        raise BenchError("standard input has ended")
+
+    monkeypatch.setattr(fake, "load_is_set", ended)
+    with pytest.raises(error):
+        sweep(fake, bench_settings, plan_of(load="operator"))
+    assert not fake.on
 
 
 def test_a_constant_load_is_told_but_not_asked_for(
