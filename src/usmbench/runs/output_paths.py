@@ -21,23 +21,25 @@ def check_outputs(
     Parameters
     ----------
     outputs
-        The file that each argument names. None and ``-``, standard output, are left out, and so is
-        a device or a pipe, which holds nothing.
+        The file that each argument names. None and the ``-`` of ``--json``, standard output, are
+        left out, and so is a device or a pipe, which holds nothing.
     inputs
         What the command reads; names that are no file are left out.
 
     Raises
     ------
     usmbench.errors.InputError
-        A file is an input, or part of a run, or named twice, or cannot be written.
+        A file is an input, or part of a run, or named twice, or cannot be written, or is ``-``.
     """
     # A link that leads back to itself is for the reader to refuse.
     read = [Path(os.path.realpath(name)) for name in inputs if name is not None]
     taken: dict[Path, str] = {}
     for argument, name in outputs.items():
-        if name is None or str(name) == "-":
+        if name is None or (argument == "--json" and name == "-"):
             continue
         file = Path(name)
+        if str(name) == "-":
+            raise InputError(f"{argument} - is no file, standard output takes --json; name a file")
         try:
             if _is_device(file):
                 continue

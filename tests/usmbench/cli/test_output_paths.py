@@ -41,6 +41,9 @@ def test_an_output_is_looked_at_before_the_work(
         assert said.err.startswith(f"usmbench: {file}: {why}")
         assert said.err.count("\n") == 1
     assert (unread_run / "windows.csv").read_text() == "measured"
+    if "--json" not in words:
+        assert main(["-" if word == "FILE" else word for word in words]) == 2
+        assert "- is no file, standard output takes --json; name" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -75,11 +75,12 @@ def test_a_folder_that_takes_no_file_is_told(
 def test_what_costs_nothing_is_taken(unread_run: Path) -> None:
     Path("old.yaml").write_text("an older model")
     Path("windows.csv").write_text("of no run")
-    names = ["old.yaml", "windows.csv", "run/model.yaml", "-", "/dev/null", None]
+    names = ["old.yaml", "windows.csv", "run/model.yaml", "/dev/null", None]
     check_outputs(
         {f"--{number}": name for number, name in enumerate(names)}, [unread_run, "phase-sweep"]
     )
     check_outputs({"--json": "/dev/null", "--report": "/dev/null"})
+    check_outputs({"--json": "-"})
     assert sorted(entry.name for entry in unread_run.iterdir()) == [
         "pairs.csv",
         "run.yaml",
