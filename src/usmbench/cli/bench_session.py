@@ -115,7 +115,9 @@ def _where_its_limits_are() -> Iterator[None]:
     try:
         yield
     except LostCountsError as error:
-        raise LostCountsError(
+        # The error itself is raised again: its notes tell what failed after it.
+        error.args = (
             f"{error} (the simulated bench has none: start python -m hil_sim --lock-step, with the "
-            "defect, and give --bench a file with the port and the address that it prints)"
-        ) from error
+            "defect, and give --bench a file with the port and the address that it prints)",
+        )
+        raise
