@@ -1,10 +1,12 @@
 """``usmbench new``: a commented plan, bench or mapping file to start from."""
 
 import argparse
+import os
 import sys
 from pathlib import Path
 
 from usmbench.errors import InputError
+from usmbench.runs.output_files import write_output
 from usmbench.settings.starting_files import KINDS, template
 
 
@@ -43,13 +45,8 @@ def run(args: argparse.Namespace) -> int:
         sys.stdout.write(text)
         return 0
     file = Path(args.file or KINDS[args.kind][1])
-    try:
-        with file.open("x", encoding="utf-8") as new:
-            new.write(text)
-    except FileExistsError:
-        raise InputError("exists already; name another file", file=file) from None
-    except OSError as error:
-        message = f"cannot be written: {error.strerror}; name another file"
-        raise InputError(message, file=file) from None
+    if os.path.lexists(file):
+        raise InputError("exists already; name another file", file=file)
+    write_output(file, text)
     print(file)
     return 0

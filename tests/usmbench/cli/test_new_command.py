@@ -2,6 +2,7 @@
 
 import json
 import re
+import resource
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -98,6 +99,19 @@ def new_bench(folder: Path) -> Path:
     return file
 
 
+def test_a_file_that_does_not_fit_leaves_no_stump(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    limit = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100, limit[1]))
+    try:
+        assert main(["new", "plan", str(tmp_path / "plan.yaml")]) == 2
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limit)
+    assert "plan.yaml: cannot be written (File too large)" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_model_keeps_to_its_schema(tmp_path: Path) -> None:
     curve = StaticCurve(np.array([-90.0, 90.0]), np.array([-9.0, 9.0]))
     point = OperatingPoint(41e3, None, curve, (-90.0, 90.0), (None, 3.0), 0.1)
@@ -117,6 +131,7 @@ def test_a_model_keeps_to_its_schema(tmp_path: Path) -> None:
     ("words", "message"),
     [
         (["plan", "old.yaml"], "old.yaml: exists already"),
+        (["plan", "link.yaml"], "link.yaml: exists already"),
         (["plan", "none/new.yaml"], "none/new.yaml: cannot be written"),
         (["modle"], "invalid choice"),
     ],
@@ -130,6 +145,7 @@ def test_wrong_usage_is_one_line_and_status_2(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "old.yaml").write_text("mine\n", encoding="utf-8")
+    (tmp_path / "link.yaml").symlink_to("absent.yaml")
     assert main(["new", *words]) == 2
     said = capsys.readouterr().err
     assert said.count("\n") == 1
