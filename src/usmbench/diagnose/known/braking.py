@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.model.effects.first_order import Lag, lag_of
+from usmbench.model.linear import delayed
 
 Array = NDArray[np.float64]
 
@@ -29,7 +30,7 @@ def braking_slower(stretch: Stretch) -> Array:
     lag, changed = lag_of(context.linear, context.window_s), np.zeros(context.n)
     if lag is None:
         return changed
-    before = np.append(after[:1], after[:-1])
+    before = delayed(after, 1, after[0])
     turned = before * after < 0.0
     braked = np.where(turned | (np.abs(after) < np.abs(before)), after - before, 0.0)
     run_up = np.where(turned, after, 0.0)

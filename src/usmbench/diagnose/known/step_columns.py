@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.noise.rotor_states import KINDS, step_kind
+from usmbench.model.linear import delayed
 from usmbench.model.polygon import hats
 
 Array = NDArray[np.float64]
@@ -40,7 +41,7 @@ def after_steps(stretch: Stretch, top_rad_s: float) -> Iterator[Array]:
         ends = list(hats(after, nodes))
         for place in (1.0, *stretch.places):
             for start in hats(before, nodes):
-                yield from (_later(place * stepped * start * end, lag) for end in ends)
+                yield from (delayed(place * stepped * start * end, lag) for end in ends)
 
 
 def near_standstill(stretch: Stretch, top_rad_s: float) -> Iterator[Array]:
@@ -59,10 +60,3 @@ def near_standstill(stretch: Stretch, top_rad_s: float) -> Iterator[Array]:
     for place in (1.0, *stretch.places):
         for lost in near:
             yield from (place * np.sign(settled) * lost * (kind == k) for k in range(KINDS))
-
-
-def _later(column: Array, windows: int) -> Array:
-    """Return a column, shape (N,), that comes some windows later: all 0 where N is no more."""
-    moved: Array = np.zeros_like(column)
-    moved[windows:] = column[: max(column.size - windows, 0)]
-    return moved

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from usmbench.diagnose.cutting.stretches import Stretch, stepped
 from usmbench.diagnose.known.knowledge import Knowledge
 from usmbench.model.applied import Applied
-from usmbench.model.extended import linear_part, through
+from usmbench.model.extended import linear_part, moving_starts, through
 
 Array = NDArray[np.float64]
 
@@ -30,7 +30,7 @@ def shown_by(stretch: Stretch, change_rad_s: Array, effects: Sequence[Applied]) 
     context = replace(stretch.context, linear=linear_part(effects, stretch.context))
     simulated_rad_s = stretch.simulated_rad_s + change_rad_s
     shown = replace(stretch, simulated_rad_s=simulated_rad_s, context=context)
-    commands = [a for a in effects if a.effect.stage == "command" and not a.effect.jagged]
+    commands = moving_starts(effects)
     if not commands:
         return shown
     phase_deg = through(commands, "command", context.phase_deg, context)

@@ -8,6 +8,7 @@ from usmbench.model.effects.base import Array, Effect, Values
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.parameter import Parameter
 from usmbench.model.effects.play import passed_on
+from usmbench.model.linear import delayed
 
 
 class CouplingBacklash(Effect):
@@ -76,7 +77,7 @@ def _moves_rad(shaft_rad_s: Array, context: Context) -> Array:
     a part at the old speed and a part at the new one.
     """
     after = context.settled_rad_s(context.phase_deg)
-    before = np.concatenate((after[:1], after[:-1]))
+    before = delayed(after, 1, after[0])
     reverses = before * after < 0.0
     share = (shaft_rad_s - after) / np.where(reverses, before - after, 1.0)
     reverses &= (share > 0.0) & (share < 1.0)
