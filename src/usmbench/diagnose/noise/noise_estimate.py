@@ -23,6 +23,7 @@ _FEWEST_QUIET = 50  # rows
 _RUNS_OUT = 0.1  # of the speed up to which a rotor counts as standing; nothing measured sets it
 _QUARTERS = 4  # of the phases: the fewest that tell near and far from the dead zone on both sides
 _QUIET_SHARE, _NO_STEP_RAD_S = 0.2, 1e-9  # of the rows of a rotor that turns
+_LEAST = 1e-5  # of the highest speed; speeds that were computed have no noise, nor its colour
 _CALM, _FEWEST_CALM = 0.9, 500  # of the level; rows
 _AS_STATED = 1.2  # times: what a model states is rounded, and an estimate off by a tenth
 
@@ -50,7 +51,10 @@ def estimate_noise(
     phase_deg = np.concatenate([s.context.phase_deg for s in stretches])
     error, quiet = np.concatenate(list(residuals)), _quiet(stretches, np.concatenate(list(masks)))
     centres, sigma = levels(phase_deg[quiet], error[quiet], _dead_zone_deg(stretches))
-    flat = noise_with_steps(centres, sigma, stretches, residuals, masks)
+    least_rad_s = _LEAST * max(float(np.max(np.abs(s.settled_rad_s))) for s in stretches)
+    flat = noise_with_steps(centres, np.maximum(sigma, least_rad_s), stretches, residuals, masks)
+    if np.all(sigma < least_rad_s):
+        return flat
     ar, innovation = _colour(stretches, residuals, masks, flat, fitted)
     return replace(flat, ar=ar, innovation=innovation)
 
