@@ -28,13 +28,13 @@ def sizes_by_run(problem: Problem, fit: Fit, spread: float) -> list[str]:
     list of str
         One warning, with the value that differs most, or none.
     """
-    names = dict.fromkeys(s.name for s in problem.stretches)
+    names = {s.run: s.name for s in problem.stretches}
     if not fit.effects or not 1 < len(names) <= _MOST_RUNS:
         return []
     more, fits = 0.0, []
-    for name in names:
+    for run in names:
         pairs = zip(problem.stretches, problem.masks, strict=True)
-        alone = problem.with_masks([mask & (s.name == name) for s, mask in pairs])
+        alone = problem.with_masks([mask & (s.run == run) for s, mask in pairs])
         fits.append(refine(alone, fit))
         more += max(fits[-1].statistic - alone.drop(fit.effects), 0.0) / spread**2
     parameters = [(k, p) for k, a in enumerate(fit.effects) for p in a.effect.parameters]
@@ -45,7 +45,9 @@ def sizes_by_run(problem: Problem, fit: Fit, spread: float) -> list[str]:
     apart = np.ptp(values, axis=0) / np.maximum(np.abs(together), 1e-12)
     most = int(np.argmax(apart))
     k, parameter = parameters[most]
-    told = ", ".join(f"{v:.3g} in {n}" for v, n in zip(values[:, most], names, strict=True))
+    told = ", ".join(
+        f"{v:.3g} in {n}" for v, n in zip(values[:, most], names.values(), strict=True)
+    )
     return [
         f"{fit.effects[k].effect.name} differs from run to run ({parameter.name} {told}): the "
         "value given lies between them; --each judges every run on its own"
