@@ -199,9 +199,7 @@ def _pairs_of(record: Record, warnings: list[str]) -> tuple[Array, Array, list[P
     if pairs is None or pairs.phase_deg.size == 0:
         warnings.append(f"{record.name}: no settled pairs, every window is taken as one")
         used = _used(record)
-        rows = np.flatnonzero(
-            used if used is not None else np.ones(record.t_s.size, dtype=np.bool_)
-        )
+        rows = np.arange(record.t_s.size) if used is None else np.flatnonzero(used)
         keys = [_point(record, row) for row in rows.tolist()]
         return record.phase_deg[rows], record.speed_rad_s[rows], keys
     whole = (pairs.n_windows >= 1) & np.isfinite(pairs.speed_rad_s)

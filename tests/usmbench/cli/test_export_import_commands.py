@@ -72,7 +72,6 @@ def test_netcdf_has_the_columns_the_units_and_run_yaml(run: Path) -> None:
         assert yaml.safe_load(data.attrs["run_yaml"])["motor"] == "x"
 
 
-@pytest.mark.skipif(sys.platform in {"darwin", "win32"}, reason="file names are Unicode there")
 @pytest.mark.parametrize("ending", ["csv", "mat", "nc", "parquet"])
 def test_a_run_whose_name_is_no_utf_8_is_exported(run: Path, ending: str) -> None:
     odd = run.rename(run.with_name(os.fsdecode(b"b\xffd")))

@@ -2,7 +2,6 @@
 
 import json
 import os
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -49,7 +48,6 @@ def test_the_list_says_when_what_and_how_it_ended(
     assert lines[-1] == "2 runs"
 
 
-@pytest.mark.skipif(sys.platform in {"darwin", "win32"}, reason="file names are Unicode there")
 def test_the_json_names_a_folder_whose_name_is_no_utf_8(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -163,7 +163,6 @@ def test_a_plan_cannot_speak_to_the_terminal(
     assert all(line.isprintable() for line in lines)
 
 
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a disk that is full")
 @pytest.mark.parametrize(("windows", "outcome"), [(20, "completed"), (2000, "failed: /dev/full")])
 def test_a_frame_log_without_room_is_named(
     opened: Opened,

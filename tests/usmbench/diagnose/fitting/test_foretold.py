@@ -161,6 +161,7 @@ def test_nothing_is_foretold_where_too_few_rows_are_left_to_fit(
     change = change_rad_s(problem_of(known, stretch, np.zeros(stretch.context.n)))
     problem = problem_of(known, stretch, change)
     fit = Fit((LEAN,), problem.drop([LEAN]), 0.0)
+    # Within two of twelve blocks: without the one, nothing of the other is left to fit.
     first = [stretch.use & (np.arange(stretch.context.n) < 30)]
     assert np.all(held_out_drop(problem.with_masks(first), fit)[:2] == 0.0)
     assert np.any(foretold_rad_s(problem, fit)[0] != 0.0)
