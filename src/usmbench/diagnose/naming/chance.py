@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 _SLOWER = 0.8  # times the least speed at which such a cause is seen to act
 _ELSEWHERE = 0.1  # of the scatter
 _ENOUGH = 0.5  # of the least scatter
+_SHOWS = 2.0  # standard deviations of a sum of squares: less of it shows in no run
 _FORETOLD = 0.5  # of the scatter: most of it is no chance then
 _LIKELY = 2.0  # deviations of what is no news
 _FEWEST_ALIKE, _MOST_GROUPS = 10, 20  # windows of about one speed, lest chance seem foretold
@@ -122,7 +123,8 @@ def scatters(problem: Problem, effects: Sequence[Applied]) -> bool:
     """Return whether the windows that the last effect acts on scatter as much as chance leaves.
 
     A counter loses whole counts. Where the mean loss is a count and a part f, some windows lose one
-    more than others, and the square of their scatter is no less than f (1 − f) counts².
+    more than others, and the square of their scatter is no less than f (1 − f) counts². Of counts
+    far smaller than the noise none shows.
 
     Parameters
     ----------
@@ -146,4 +148,5 @@ def scatters(problem: Problem, effects: Sequence[Applied]) -> bool:
         least += float(np.sum(part * (1.0 - part) * (count_rad_s / level) ** 2))
         acts.append(change[valid] != 0.0)
     left = plain.left(effects)[: plain.n_rows][np.concatenate(acts)]
-    return float(np.sum(left**2 - 1.0)) > _ENOUGH * least
+    least *= _ENOUGH
+    return least < _SHOWS * np.sqrt(2.0 * left.size) or _beyond_noise(left) > least

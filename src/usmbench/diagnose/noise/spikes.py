@@ -16,6 +16,7 @@ Array = NDArray[np.float64]
 
 _PARTS = 8  # of the speeds, from slow to fast
 _MOST_ALONE, _MOST_IN_PART = 0.1, 0.25  # more is no exception
+_FEWEST_STEPS = 5  # a few may be struck by chance; nothing measured sets it
 _BESIDE, _AS_OTHERS = 11, 0.5  # windows; of what a window is off by
 PLAIN = 7.0  # so far that only a miscount remains
 _FAR = 6.0  # standard deviations: once in 5·10⁸ windows of normal noise
@@ -112,7 +113,8 @@ def off_steps(
     """Leave out the windows beside steps where most are off as those beside like steps are.
 
     A delay in a staircase leaves windows that stand alone, and they are no exceptions; nor are
-    those before its steps where the clocks of command and counter differ.
+    those before its steps where the clocks of command and counter differ. Where it differs from
+    step to step, so do they, but they come with many of the steps.
 
     Parameters
     ----------
@@ -134,9 +136,15 @@ def off_steps(
             [m[1] for m in moments],
         )
     )
-    if not hang_together(off, far, np.lexsort((step, lag))):
+    if not (_come_with_steps(far, lag) or hang_together(off, far, np.lexsort((step, lag)))):
         return list(alone)
     return [mask & ~b for mask, b in zip(alone, beside, strict=True)]
+
+
+def _come_with_steps(alone: Mask, lag: NDArray[np.int64]) -> bool:
+    """Return whether windows stand alone as long after, or before, many of the steps."""
+    struck, steps = (np.bincount(rows + 1, minlength=LAGS + 1) for rows in (lag[alone], lag))
+    return bool(np.any((struck >= _FEWEST_STEPS) & (struck > _MOST_IN_PART * steps)))
 
 
 def _from_step(stretch: Stretch) -> tuple[NDArray[np.int64], Array]:

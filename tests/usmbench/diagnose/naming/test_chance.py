@@ -68,6 +68,15 @@ def test_whole_counts_scatter_and_a_smooth_loss_does_not(
         assert scatters(_problem(run, model), [loss])
 
 
+def test_scatter_of_counts_far_smaller_than_the_noise_is_not_missed(
+    model: HammersteinModel,
+) -> None:
+    lost = applied("missed_counts", "of all", share_lost=0.02, above_rad_s=6.0)
+    for seed in range(60, 70):
+        problem = _problem(saying(measured(seed, lost), 400_000), model)
+        assert scatters(problem, [lost])
+
+
 @pytest.mark.parametrize(
     ("share", "width_rad_s", "n_fast"),
     [(0.03, 0.3, 30), (0.03, 0.8, 30), (0.1, 0.3, 30), (0.1, 0.3, 2)],

@@ -32,6 +32,23 @@ def test_false_counts_beside_a_delay_are_exceptions(model: HammersteinModel) -> 
     assert not judged_rows(found, false).any()
 
 
+def test_steps_that_a_trembling_delay_leaves_off_to_either_side_are_no_exceptions(
+    model: HammersteinModel,
+) -> None:
+    rng = np.random.default_rng(34)
+    phase_deg = np.repeat(np.resize([1.0, -1.0], 30) * rng.uniform(60.0, 88.0, 30), 20)
+    sooner, later = (
+        driven(phase_deg, 34, applied("transport_delay", "", delay_s=late_s)).speed_rad_s
+        for late_s in (0.00375, 0.00425)
+    )
+    which = np.repeat(rng.random(30) < 0.5, 20)
+    record = replace(driven(phase_deg, 34), speed_rad_s=np.where(which, sooner, later))
+    found = searched_run(record, model)
+    assert names_of(found) == {"transport_delay"}
+    assert judged_rows(found, np.arange(20, 600, 20)).all()
+    assert found.fit.effects[0].values["delay_s"] == pytest.approx(0.004, abs=0.0005)
+
+
 @pytest.mark.parametrize("slip_limit_rad_s", [None, 3.0])
 def test_what_a_faster_run_shows_of_an_effect_is_not_the_size_of_its_cause(
     model: HammersteinModel, slip_limit_rad_s: float | None

@@ -104,3 +104,16 @@ def test_exceptions_are_few_and_not_off_as_others_at_like_phases(
 def test_where_no_row_is_calm_nothing_stands_alone_against_chance(reversing: Stretch) -> None:
     none = np.zeros(N, dtype=bool)
     assert are_exceptions([reversing], [np.zeros(N)], [none], [none])
+
+
+@pytest.mark.parametrize(("n_struck", "exceptions"), [(4, True), (12, False)])
+def test_what_many_steps_leave_to_either_side_is_no_exception(
+    reversing: Stretch, n_struck: int, *, exceptions: bool
+) -> None:
+    rng = np.random.default_rng(4)
+    residual_rad_s = rng.normal(0.0, NOISE_RAD_S, N)
+    struck = rng.permutation(np.arange(20, N, 20))[:n_struck]
+    residual_rad_s[struck] += 20.0 * NOISE_RAD_S * np.resize([1.0, -1.0], n_struck)
+    (far,) = spiked([reversing], [residual_rad_s], NOISE, near_steps=True)
+    (alone,) = off_steps([reversing], [residual_rad_s], [far])
+    assert np.all(alone[struck] == exceptions)
