@@ -17,6 +17,7 @@ from usmbench.diagnose.held import Held
 from usmbench.diagnose.naming.began_warm import warm_warnings
 from usmbench.diagnose.naming.beside_verdict import said_beside
 from usmbench.diagnose.naming.chance import chancy_of
+from usmbench.diagnose.naming.confined import confined
 from usmbench.diagnose.naming.detectable import smallest_sizes
 from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.naming.left_wave import left_wave_hz
@@ -90,6 +91,9 @@ def described(
 
 def _remainder(found: Found, views: Sequence[View]) -> Remainder:
     """Say what is left, whichever test it was that told."""
+    only = confined(found.problem, found.fit.effects) or confined(found.problem, ())
+    if only is not None:
+        return only
     beyond = Beyond.of(found.problem, found.fit.effects, found.spread, found.after)
     wave_hz = left_wave_hz(found.problem.stretches, found.left_rad_s)
     return describe(views, found.spread, beyond, wave_hz)
