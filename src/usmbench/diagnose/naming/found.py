@@ -83,10 +83,15 @@ class Found:
 
         What moves an edge of the dead zone only some of the time is in few rows, and in no view.
         """
-        n_rows, beyond = self.problem.n_rows, self.beyond_noise
-        rows = Whole(beyond, float(chi2.sf(beyond + n_rows, n_rows)), n_rows)
+        rows = self._in_rows(self.beyond_noise)
         shown = any(w.beyond(PLAIN_P_VALUE, _LEAST_EXCESS) for w in (self.before, rows))
         return shown or self.before.beyond(_SURE, _LEAST_SURE) or self.spread > LOUD_ALONE
+
+    @property
+    def grid_leaves_more(self) -> bool:
+        """Whether names fitted to where each phase falls leave more than chance does."""
+        left = self._in_rows(self.beyond_noise - self.explained)
+        return self.on_a_grid and min(left.p_value, self.after.p_value) < PLAIN_P_VALUE
 
     @property
     def off_in_all(self) -> float:
@@ -106,6 +111,11 @@ class Found:
             residuals, masks = (self.problem.residual_rad_s, self.left_rad_s), self.problem.masks
             beyond, left = (self._off(r, masks, [0.0] * len(masks)) for r in residuals)
         return left > LEFT_PARTLY * max(beyond, 0.0) and left > _GROSS * self.problem.n_rows
+
+    def _in_rows(self, excess: float) -> Whole:
+        """Test what all rows show beyond the noise."""
+        n_rows = self.problem.n_rows
+        return Whole(excess, float(chi2.sf(excess + n_rows, n_rows)), n_rows)
 
     def _off(
         self,

@@ -28,7 +28,7 @@ from usmbench.diagnose.naming.ranking import (
 from usmbench.diagnose.naming.roughly_beside import roughly_together
 from usmbench.diagnose.naming.stepwise import Named, settled
 from usmbench.diagnose.naming.verdict import by_share_left
-from usmbench.diagnose.naming.worth import First, earns_its_place, worth_a_name
+from usmbench.diagnose.naming.worth import SECOND_LEAST, First, earns_its_place, worth_a_name
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.views import omnibus
 from usmbench.diagnose.residual.whole import doubted_test, whole_test
@@ -69,26 +69,61 @@ def hidden_pair(
     free = [e for e in effects if e.name not in taken]
     if len({e.name for e in free}) < 2:
         return None
-    lead, *rivals = best_forms(ranked, taken)
-    pairs = [_led_by(problem, lead, free, spread)]
+    pairs = [_led_by(problem, best_forms(ranked, taken)[0], free, spread)]
     if named is None:
         pairs += [_fitted(problem, *pair) for pair in _jagged_and_smooth(ranked)]
-        alone = (refine(problem, rival.fit) for rival in rivals[:_RIVALS])
-        rough = (roughly_together(problem, fit, ranked) for fit in alone)
-        pairs += [pair for pair in rough if len(pair.effects) > 1]
+        pairs += _led_by_rivals(problem, ranked)
     best = max(pairs, key=lambda fit: fit.statistic)
     one_alone = ranked if named is None else named.rankings[0]
     if not _explains(problem, best, spread):  # the cheapest to see comes first
         return None
     if not _worth_their_names(problem, best, one_alone, spread):
         return None
+    return _settled(problem, best, effects, spread)
+
+
+def smooth_pair(
+    problem: Problem,
+    ranked: Sequence[Ranked],
+    effects: Sequence[Effect],
+    spread: float,
+    jagged: Fit,
+) -> Named | None:
+    """Name two causes instead of what was fitted to where each phase falls, or return None.
+
+    A register has its grid exactly: one beside which others explain plainly more fits by accident.
+
+    Parameters
+    ----------
+    problem, ranked, effects, spread
+        As in `hidden_pair`.
+    jagged
+        What is named with a grid among it.
+    """
+    smooth, free = [r for r in ranked if not r.effect.jagged], [e for e in effects if not e.jagged]
+    pairs = [_led_by(problem, smooth[0], free, spread), *_led_by_rivals(problem, smooth)]
+    best = max(pairs, key=lambda fit: fit.statistic)
+    if best.statistic - jagged.statistic < SECOND_LEAST * spread**2:
+        return None
+    if not _explains(problem, best, spread):
+        return None
+    unseen = held_out_drop(problem, best)
+    if np.sum(unseen) <= np.sum(held_out_drop(problem, jagged)):
+        return None
+    if not worth_a_name(problem, NOTHING, best, unseen, First(), spread):
+        return None
+    return _settled(problem, best, free, spread)
+
+
+def _settled(problem: Problem, pair: Fit, effects: Sequence[Effect], spread: float) -> Named | None:
+    """Weigh each of two causes beside the other, and return both if each is clear and first."""
     rankings = []
-    for wanted, other in zip(best.effects, reversed(best.effects), strict=True):
+    for wanted, other in zip(pair.effects, reversed(pair.effects), strict=True):
         ranking = begun_with(_beside(problem, effects, spread, other), wanted.effect)
         if ranking is None or ranking[0].p_value >= CLEAR:
             return None
         rankings.append(ranking)
-    return settled(problem, rankings, best)
+    return settled(problem, rankings, pair)
 
 
 def _worth_their_names(
@@ -99,9 +134,10 @@ def _worth_their_names(
     unseen = held_out_drop(problem, pair)
     if not worth_a_name(problem, NOTHING, pair, unseen, First(), spread):
         return False
+    if np.sum(unseen) <= np.sum(held_out_drop(problem, alone)):
+        return False
     first = First(alone.statistic / spread**2, frozenset(alternatives(one_alone)))
-    more = np.sum(unseen) > np.sum(held_out_drop(problem, alone))
-    return bool(more) and earns_its_place(problem, alone.effects, pair.effects, first, spread)
+    return earns_its_place(problem, alone.effects, pair.effects, first, spread)
 
 
 def _explains(problem: Problem, pair: Fit, spread: float) -> bool:
@@ -116,6 +152,13 @@ def _led_by(problem: Problem, lead: Ranked, effects: Sequence[Effect], spread: f
     first = refine(problem, lead.fit)
     others = [e for e in effects if e.name != lead.effect.name]
     return refine_widely(problem, rank(problem, others, spread, first)[0].fit)
+
+
+def _led_by_rivals(problem: Problem, ranked: Sequence[Ranked]) -> list[Fit]:
+    """Fit the best rivals of the best cause, each with what roughly is best beside it."""
+    rivals = best_forms(ranked)[1 : 1 + _RIVALS]
+    rough = [roughly_together(problem, refine(problem, r.fit), ranked) for r in rivals]
+    return [pair for pair in rough if len(pair.effects) > 1]
 
 
 def _jagged_and_smooth(ranked: Sequence[Ranked]) -> Iterator[tuple[Effect, Effect]]:

@@ -13,7 +13,7 @@ from usmbench.diagnose.fitting.refining import refine_widely
 from usmbench.diagnose.known.knowledge import Knowledge
 from usmbench.diagnose.naming.chance import chancy_of
 from usmbench.diagnose.naming.found import Found
-from usmbench.diagnose.naming.pairs import hidden_pair
+from usmbench.diagnose.naming.pairs import hidden_pair, smooth_pair
 from usmbench.diagnose.naming.ranking import FORM_OFF, SIGNIFICANT, Ranked, rank
 from usmbench.diagnose.naming.remainder import LOUD
 from usmbench.diagnose.naming.stepwise import Named, name_causes, noise_spread, settled
@@ -76,8 +76,8 @@ def search(
         found = _with_a_pair(weighed, None, found, effects)
         return _without_a_trifle(weighed, found) if _unclear(found) else found
     if len(named.rankings) == 1 and named.leaves_a_cause:
-        return _with_a_pair(weighed, named, found, effects)
-    return found
+        found = _with_a_pair(weighed, named, found, effects)
+    return _without_a_grid(weighed, found, effects) if found.grid_leaves_more else found
 
 
 def _with_its_noise(
@@ -183,6 +183,18 @@ def _with_a_pair(
 ) -> Found:
     """Name two causes at once instead, if they explain all."""
     pair = hidden_pair(weighed.problem, weighed.ranked, effects, weighed.spread, named)
+    return _if_it_stands(weighed, pair, found)
+
+
+def _without_a_grid(weighed: _Weighed, found: Found, effects: Sequence[Effect]) -> Found:
+    """Name two causes at once instead of what is on a grid by accident."""
+    problem, ranked = weighed.problem, weighed.ranked
+    pair = smooth_pair(problem, ranked, effects, weighed.spread, found.fit)
+    return _if_it_stands(weighed, pair, found)
+
+
+def _if_it_stands(weighed: _Weighed, pair: Named | None, found: Found) -> Found:
+    """Return what two causes come to, if they explain, or else what was found."""
     if pair is None:
         return found
     both = weighed.found(pair)

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 # simulated motors (docs/explanations/diagnosis.md), and no measurement fixes it.
 # What a further cause has to bring in deviance though the form of those before it is in doubt: what
 # patches bring, see "two causes" in benchmarks/naming_campaign.py, and a share of the first.
-_SECOND_LEAST, _SECOND_SHARE = 50.0, 3e-4
+SECOND_LEAST, _SECOND_SHARE = 50.0, 3e-4
 # And a share of the first, up to twice what patches bring: as much a large first misses at the
 # edges of a dead zone.
 _FIRST_SHARE, _FIRST_MOST = 0.01, 100.0
@@ -86,7 +86,7 @@ def worth_a_name(
     if min(taken, taken - most) <= 0.0:
         return False
     worse = -float(np.min(unseen))
-    if worse > max(_WORSE * (taken + worse), _SECOND_LEAST):
+    if worse > max(_WORSE * (taken + worse), SECOND_LEAST):
         return False
     if before.effects and most > _ONE_FOLD * taken:
         return False
@@ -145,7 +145,7 @@ def earns_its_place(
     smooth = not any(applied.effect.jagged for applied in others)
     apart = itself and (smooth or _takes_the_rest(problem, others, together, spread))
     share = _SECOND_SHARE if apart else off**2
-    least = _CLEAR_LEAST if itself and not first.rivals else _SECOND_LEAST
+    least = _CLEAR_LEAST if itself and not first.rivals else SECOND_LEAST
     missed = min(_FIRST_SHARE * first.evidence, _FIRST_MOST)
     least = max(least, missed, _SECOND_SHARE * first.evidence)
     return kept >= least and brings >= share * first.evidence
