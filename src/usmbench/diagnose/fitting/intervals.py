@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from usmbench.diagnose.fitting.aliases import alias_range
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.joint import Joint
 from usmbench.diagnose.residual.problem import Problem
@@ -19,7 +20,8 @@ def intervals(problem: Problem, fit: Fit, spread: float) -> list[dict[str, tuple
     """Return the 95 % interval of every parameter, by effect.
 
     Where nothing of an effect is scanned the deviance is taken for a parabola. What is scanned
-    bends it, and the sizes that go with it lie along a bent valley, which is walked.
+    bends it, and the sizes that go with it lie along a bent valley, which is walked. A grid may fit
+    as well on peaks of its own, which are looked for.
 
     Parameters
     ----------
@@ -49,6 +51,10 @@ def intervals(problem: Problem, fit: Fit, spread: float) -> list[dict[str, tuple
             rows = [k, *sizes]
             low[rows] = np.minimum(low[rows], nearest[rows])
             high[rows] = np.maximum(high[rows], farthest[rows])
+        if applied.effect.jagged and len(own) == 1:
+            others = tuple(a for a in fit.effects if a is not applied)
+            least, largest = alias_range(problem, applied, others, rise)
+            low[own], high[own] = np.minimum(low[own], least), np.maximum(high[own], largest)
         low, high = joint.clipped(low), joint.clipped(high)
         ends = zip(low[own], high[own], strict=True)
         found.append({n: (float(a), float(b)) for n, (a, b) in zip(names, ends, strict=True)})

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from usmbench.diagnose.fitting.aliases import on_best_alias
 from usmbench.diagnose.fitting.fit import NOTHING, Fit
 from usmbench.diagnose.fitting.foretold import held_out_drop
 from usmbench.diagnose.fitting.huber_weights import huber_weights, robust_spread
@@ -119,6 +120,8 @@ def _trifle(found: Named, longer: Fit) -> bool:
 def settled(problem: Problem, rankings: list[list[Ranked]], fit: Fit) -> Named:
     """Return what is named, fitted once more in the problem of a motor that shows it.
 
+    A grid is looked for among all that do about the same: only now, for these bend into much else.
+
     Parameters
     ----------
     problem
@@ -128,6 +131,7 @@ def settled(problem: Problem, rankings: list[list[Ranked]], fit: Fit) -> Named:
     fit
         All of them together.
     """
+    fit = on_best_alias(problem, fit)
     shown = problem.showing(fit.effects)
     again = refine(shown, fit)
     left = noise_spread(shown, omnibus(shown), again.effects)

@@ -122,6 +122,23 @@ class Effect(ABC):
         """
         return False
 
+    def alike(self, values: Values, contexts: Sequence[Context]) -> tuple[Array, Array]:
+        """Return other values of a jagged effect's only parameter that may do about the same.
+
+        Parameters
+        ----------
+        values
+            Its value.
+        contexts
+            All stretches of the runs under diagnosis.
+
+        Returns
+        -------
+        tuple of Array and Array
+            The values, rising, and 1 for those that no smooth effect does as well, shape (V,) each.
+        """
+        return np.empty(0), np.empty(0)
+
     def beneath(
         self,
         contexts: Sequence[Context],

@@ -173,6 +173,7 @@ _ASKED: Final[dict[str, Callable[[Any, Any, Any], Any]]] = {
     "untestable": _reason,
     "built_in": _values,
     "habitual": _as_it_is,
+    "alike": _as_it_is,
     "beneath": _as_it_is,
     "weigh": _as_it_is,
 }

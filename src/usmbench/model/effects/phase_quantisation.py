@@ -26,6 +26,7 @@ _MANY = 50  # phases: twice the levels of a fine staircase
 _LEVELS, _UNEVEN = 20, 0.8
 _MEANT = 1e-3  # of a usual step: nearer than that nobody builds another
 _SAME_STEP = 1e-9  # a commanded multiple must not fall below itself by rounding
+_FARTHEST, _ALIKE = 2.0, 1600  # times a step; how many steps in between. Nothing measured sets them
 # Registers with n values, and round numbers of degrees.
 _USUAL_DEG = sorted(
     {
@@ -133,6 +134,20 @@ class RoundedPhase(Effect):
             free = free[_told_apart(free, contexts)]
         tried = np.unique([*_USUAL_DEG, *free])
         return {"step_deg": tried[tried <= _COARSEST_DEG]}
+
+    def alike(self, values: Values, contexts: Sequence[Context]) -> tuple[Array, Array]:
+        """Return steps from half of one to twice as much, where phases are few.
+
+        Parameters
+        ----------
+        values, contexts
+            As in `Effect.alike`.
+        """
+        if _many_phases(contexts):
+            return super().alike(values, contexts)
+        steps_deg = values["step_deg"] * np.geomspace(1.0 / _FARTHEST, _FARTHEST, _ALIKE)
+        steps_deg = steps_deg[steps_deg <= _COARSEST_DEG]
+        return steps_deg, _told_apart(steps_deg, contexts).astype(np.float64)
 
     def built_in(self, contexts: Sequence[Context]) -> dict[str, float] | None:
         """Return the generator's own step, where all runs say one and the same.
