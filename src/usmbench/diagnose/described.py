@@ -22,7 +22,7 @@ from usmbench.diagnose.naming.detectable import smallest_sizes
 from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.naming.left_wave import left_wave_hz
 from usmbench.diagnose.naming.ranking import Ranked, alternatives, best_forms
-from usmbench.diagnose.naming.remainder import LOUD, Beyond, describe, shows_time
+from usmbench.diagnose.naming.remainder import LOUD, Beyond, describe
 from usmbench.diagnose.naming.run_to_run import sizes_by_run
 from usmbench.diagnose.naming.sporadic import left_unnamed
 from usmbench.diagnose.residual.problem import Problem
@@ -91,7 +91,8 @@ def described(
 
 def _remainder(found: Found, views: Sequence[View]) -> Remainder:
     """Say what is left, whichever test it was that told."""
-    if not shows_time(views):
+    # A gain that changes has a view of its own; what a day's gain may do hides when it did.
+    if max(views, key=lambda view: view.excess_after).versus != "gain over time":
         only = confined(found.problem, found.fit.effects) or confined(found.problem, ())
         if only is not None:
             return only

@@ -150,18 +150,6 @@ def _scatter_says(wave_hz: float | None) -> str:
     )
 
 
-def shows_time(views: Sequence[View]) -> bool:
-    """Return whether what is left shows most plainly over time.
-
-    Parameters
-    ----------
-    views
-        The views.
-    """
-    worst = max(views, key=lambda view: view.excess_after)
-    return worst.excess_after > 1.0 and _VERSUS.get(worst.versus, worst.versus) == "time"
-
-
 def describe(
     views: Sequence[View],
     spread: float,
