@@ -3,19 +3,24 @@
 Each is a peak of its own, which a scan, made to tell grids from what is smooth, may step over.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.refining import refine
 from usmbench.diagnose.fitting.shape_ratings import Rated, matched
 from usmbench.diagnose.fitting.shape_search import ShapeSearch
+from usmbench.diagnose.fitting.weighed_shapes import Tried
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.applied import Applied
 
-_PEAKS = 24  # nothing measured sets it
+Array = NDArray[np.float64]
+
+_PEAKS = 10  # nothing measured sets it
 
 
 def on_best_alias(problem: Problem, fit: Fit) -> Fit:
@@ -32,8 +37,7 @@ def on_best_alias(problem: Problem, fit: Fit) -> Fit:
     """
     for k, applied in enumerate(fit.effects):
         others = (*fit.effects[:k], *fit.effects[k + 1 :])
-        peaks = _peaks(problem, applied, others, apart=True)
-        values, drop = max(peaks, key=lambda rated: rated[1], default=(applied.values, -np.inf))
+        values, drop = _best(problem, applied, others)
         if problem.drop(others) + drop > fit.statistic:
             better = replace(applied, values=values)
             effects = (*fit.effects[:k], better, *fit.effects[k + 1 :])
@@ -57,29 +61,33 @@ def alias_range(
     rise
         Deviance by which a value may fit less well.
     """
-    (value,) = applied.values.values()
-    peaks = _peaks(problem, applied, others, apart=False)
-    if not peaks:
-        return value, value
+    tried, _ = applied.effect.alike(applied.values, [s.context for s in problem.stretches])
+    drops = np.array([t.drop for t in _tried(problem, applied, others, tried)])
     least = problem.drop([*others, applied]) - problem.drop(others) - rise
-    alike = [value, *(x for values, drop in peaks if drop > least for x in values.values())]
-    return min(alike), max(alike)
+    alike = np.append(tried[drops > least], list(applied.values.values()))
+    return float(alike.min()), float(alike.max())
 
 
-def _peaks(
-    problem: Problem, applied: Applied, others: tuple[Applied, ...], *, apart: bool
-) -> list[Rated]:
-    """Return the values like an effect's own that fit best, and the drops that they bring."""
-    effect = applied.effect
-    tried, told_apart = effect.alike(applied.values, [s.context for s in problem.stretches])
+def _best(problem: Problem, applied: Applied, others: tuple[Applied, ...]) -> Rated:
+    """Return the best value like an effect's own that nothing smooth does as well, and its drop."""
+    effect, contexts = applied.effect, [s.context for s in problem.stretches]
+    tried, told_apart = effect.alike(applied.values, contexts)
     if not tried.size:
-        return []
+        return dict(applied.values), -np.inf
+    rated = [(t.values, matched(t.drop, t.square)) for t in _tried(problem, applied, others, tried)]
+    worth = np.array([value for _, value in rated])
+    summits = np.flatnonzero((worth >= maximum_filter1d(worth, 3)) & (told_apart > 0.0))
+    highest = summits[np.argsort(-worth[summits])][:_PEAKS]
     (parameter,), search = effect.parameters, ShapeSearch(problem, effect, others)
-    shapes = [{parameter.name: float(x)} for x in tried]
-    worth = np.array([matched(t.drop, t.square) for t in search.best(shapes, ())])
-    summit = (worth >= maximum_filter1d(worth, 3)) & (told_apart > 0.0 if apart else True)
-    highest = np.flatnonzero(summit)[np.argsort(-worth[summit])][:_PEAKS]
-    near = [(shapes[k], float(worth[k])) for k in highest]
-    return [
-        search.exactly(search.zoomed(rated, parameter, tried, (), matched)[0], ()) for rated in near
-    ]
+    near = (search.zoomed(rated[k], parameter, tried, (), matched)[0] for k in highest)
+    found = [search.exactly(values, ()) for values in near]
+    return max(found, key=lambda one: one[1], default=(dict(applied.values), -np.inf))
+
+
+def _tried(
+    problem: Problem, applied: Applied, others: tuple[Applied, ...], values: Array
+) -> Iterator[Tried]:
+    """Yield what other values of an effect's only parameter come to."""
+    (parameter,) = applied.effect.parameters
+    shapes = [{parameter.name: float(x)} for x in values]
+    return ShapeSearch(problem, applied.effect, others).best(shapes, ())
