@@ -35,12 +35,11 @@ def on_best_alias(problem: Problem, fit: Fit) -> Fit:
     fit
         A refined fit.
     """
-    for k, applied in enumerate(fit.effects):
-        others = (*fit.effects[:k], *fit.effects[k + 1 :])
-        values, drop = _best(problem, applied, others)
-        if problem.drop(others) + drop > fit.statistic:
-            better = replace(applied, values=values)
-            effects = (*fit.effects[:k], better, *fit.effects[k + 1 :])
+    for k in range(len(fit.effects)):
+        applied, others = fit.effects[k], (*fit.effects[:k], *fit.effects[k + 1 :])
+        best = _best(problem, applied, others)
+        if best is not None and problem.drop(others) + best[1] > fit.statistic:
+            effects = (*fit.effects[:k], replace(applied, values=best[0]), *fit.effects[k + 1 :])
             fit = refine(problem, Fit(effects, 0.0, fit.roughness))
     return fit
 
@@ -61,33 +60,36 @@ def alias_range(
     rise
         Deviance by which a value may fit less well.
     """
-    tried, _ = applied.effect.alike(applied.values, [s.context for s in problem.stretches])
-    drops = np.array([t.drop for t in _tried(problem, applied, others, tried)])
+    tried, _ = _alike(problem, applied)
+    drops = [t.drop for t in _at(ShapeSearch(problem, applied.effect, others), applied, tried)]
     least = problem.drop([*others, applied]) - problem.drop(others) - rise
-    alike = np.append(tried[drops > least], list(applied.values.values()))
-    return float(alike.min()), float(alike.max())
+    as_good = np.append(tried[np.array(drops) > least], list(applied.values.values()))
+    return float(as_good.min()), float(as_good.max())
 
 
-def _best(problem: Problem, applied: Applied, others: tuple[Applied, ...]) -> Rated:
+def _best(problem: Problem, applied: Applied, others: tuple[Applied, ...]) -> Rated | None:
     """Return the best value like an effect's own that nothing smooth does as well, and its drop."""
-    effect, contexts = applied.effect, [s.context for s in problem.stretches]
-    tried, told_apart = effect.alike(applied.values, contexts)
+    tried, told_apart = _alike(problem, applied)
     if not tried.size:
-        return dict(applied.values), -np.inf
-    rated = [(t.values, matched(t.drop, t.square)) for t in _tried(problem, applied, others, tried)]
+        return None
+    search = ShapeSearch(problem, applied.effect, others)
+    rated = [(t.values, matched(t.drop, t.square)) for t in _at(search, applied, tried)]
     worth = np.array([value for _, value in rated])
+    # A peak is wider than one step here, so that the best few of all would be one peak.
     summits = np.flatnonzero((worth >= maximum_filter1d(worth, 3)) & (told_apart > 0.0))
-    highest = summits[np.argsort(-worth[summits])][:_PEAKS]
-    (parameter,), search = effect.parameters, ShapeSearch(problem, effect, others)
-    near = (search.zoomed(rated[k], parameter, tried, (), matched)[0] for k in highest)
-    found = [search.exactly(values, ()) for values in near]
-    return max(found, key=lambda one: one[1], default=(dict(applied.values), -np.inf))
+    found = []
+    for k in summits[np.argsort(-worth[summits])][:_PEAKS]:
+        near, _ = search.zoomed(rated[k], applied.effect.parameters[0], tried, (), matched)
+        found.append(search.exactly(near, ()))
+    return max(found, key=lambda one: one[1], default=None)
 
 
-def _tried(
-    problem: Problem, applied: Applied, others: tuple[Applied, ...], values: Array
-) -> Iterator[Tried]:
+def _alike(problem: Problem, applied: Applied) -> tuple[Array, Array]:
+    """Return what `Effect.alike` says of an effect in these runs."""
+    return applied.effect.alike(applied.values, [s.context for s in problem.stretches])
+
+
+def _at(search: ShapeSearch, applied: Applied, values: Array) -> Iterator[Tried]:
     """Yield what other values of an effect's only parameter come to."""
-    (parameter,) = applied.effect.parameters
-    shapes = [{parameter.name: float(x)} for x in values]
-    return ShapeSearch(problem, applied.effect, others).best(shapes, ())
+    name = applied.effect.parameters[0].name
+    return search.best([{name: float(x)} for x in values], ())

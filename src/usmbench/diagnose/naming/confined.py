@@ -1,4 +1,4 @@
-"""What is left in some parts of the runs only, though their phases come elsewhere as well.
+"""What is left in one span of the runs only, though its phases come elsewhere as well.
 
 What acts there came or went. No view of phase, speed or angle says so, though some show it.
 """
@@ -75,7 +75,7 @@ class _Rows:
 
 
 def confined(problem: Problem, effects: Sequence[Applied]) -> Remainder | None:
-    """Say where nearly all of what effects leave is, if that is in some parts of the runs only.
+    """Say where nearly all of what effects leave is, if that is in one span of the runs only.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def confined(problem: Problem, effects: Sequence[Applied]) -> Remainder | None:
     Returns
     -------
     Remainder or None
-        None where it is everywhere, or where phases that show it come in these parts only.
+        None where it is everywhere, or where phases that show it come there only.
     """
     rows = _Rows.of(problem, effects)
     loud = _loud(rows)

@@ -105,12 +105,7 @@ def smooth_pair(
     best = max(pairs, key=lambda fit: fit.statistic)
     if best.statistic - jagged.statistic < SECOND_LEAST * spread**2:
         return None
-    if not _explains(problem, best, spread):
-        return None
-    unseen = held_out_drop(problem, best)
-    if np.sum(unseen) <= np.sum(held_out_drop(problem, jagged)):
-        return None
-    if not worth_a_name(problem, NOTHING, best, unseen, First(), spread):
+    if not (_explains(problem, best, spread) and _holds(problem, best, jagged, spread)):
         return None
     return _settled(problem, best, free, spread)
 
@@ -131,13 +126,18 @@ def _worth_their_names(
 ) -> bool:
     """Whether two causes hold on unseen blocks, and explain more than the form of one is off by."""
     alone = refine(problem, one_alone[0].fit)
-    unseen = held_out_drop(problem, pair)
-    if not worth_a_name(problem, NOTHING, pair, unseen, First(), spread):
-        return False
-    if np.sum(unseen) <= np.sum(held_out_drop(problem, alone)):
+    if not _holds(problem, pair, alone, spread):
         return False
     first = First(alone.statistic / spread**2, frozenset(alternatives(one_alone)))
     return earns_its_place(problem, alone.effects, pair.effects, first, spread)
+
+
+def _holds(problem: Problem, pair: Fit, other: Fit, spread: float) -> bool:
+    """Whether two causes are worth their names on unseen blocks, and better there than others."""
+    unseen = held_out_drop(problem, pair)
+    if not worth_a_name(problem, NOTHING, pair, unseen, First(), spread):
+        return False
+    return bool(np.sum(unseen) > np.sum(held_out_drop(problem, other)))
 
 
 def _explains(problem: Problem, pair: Fit, spread: float) -> bool:
