@@ -10,8 +10,8 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh, matmul_toeplitz
-from scipy.signal import lfilter
+from scipy.linalg import eigh
+from scipy.signal import lfilter, oaconvolve
 
 from usmbench.identify.noise import autoregression
 
@@ -99,7 +99,6 @@ def _taken(
 
 def _times(covariance: Array, columns: Array) -> Array:
     """Multiply columns by the noise's covariance matrix."""
-    first = np.zeros(columns.shape[0])
-    known = min(first.size, covariance.size)
-    first[:known] = covariance[:known]
-    return np.asarray(matmul_toeplitz(first, columns), dtype=np.float64)
+    known = covariance[: columns.shape[0]]
+    both_ways = np.r_[known[:0:-1], known][:, np.newaxis]
+    return np.asarray(oaconvolve(columns, both_ways, mode="same", axes=0), dtype=np.float64)
