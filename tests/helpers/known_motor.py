@@ -1,5 +1,6 @@
 """A motor known to the last figure, runs of it with effects in them, and its model."""
 
+from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
@@ -76,11 +77,15 @@ def wandering() -> HammersteinModel:
 
 def judged(spread: float) -> Problem:
     """Return a healthy run whose noise has grown."""
-    model = identified()
     record = driven(np.repeat(np.random.default_rng(6).uniform(-88.0, 88.0, 100), 20), 6)
     more = np.sqrt(spread**2 - 1.0) * NOISE_RAD_S * np.random.default_rng(7).standard_normal(2000)
     record.speed_rad_s[:] += more
-    (stretch,), _ = cut_runs([record], model, ())
-    known = knowledge_of(model)
+    return problem_of([record])
+
+
+def problem_of(records: Sequence[Record], by: HammersteinModel | None = None) -> Problem:
+    """Return runs, to be judged by a model, or by the identified one."""
+    model = by or identified()
+    known, (stretches, _) = knowledge_of(model), cut_runs(records, model, ())
     assert known.noise is not None
-    return Problem([stretch], known, known.noise, [stretch.use])
+    return Problem(stretches, known, known.noise, [stretch.use for stretch in stretches])

@@ -34,7 +34,7 @@ def test_noise_that_has_grown_is_a_finding(model: HammersteinModel) -> None:
 
 
 def test_says_so_where_no_cause_fits(model: HammersteinModel) -> None:
-    record = measured(9)
+    record = measured(9, n=700)
     # Every third second the shaft runs backwards against its commands: nothing does that.
     odd = np.where(np.floor(record.t_s) % 3 == 0, -0.4, 0.9) * record.speed_rad_s
     found = diagnose([replace(record, speed_rad_s=odd)], model)

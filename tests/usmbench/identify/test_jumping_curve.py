@@ -47,9 +47,8 @@ def test_knots_gather_as_closely_as_the_place_is_known() -> None:
     assert all(width > close for width in wider)
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_a_curve_jumps_where_its_motor_does(seed: int) -> None:
-    rng = np.random.default_rng([seed, 7])
+def test_a_curve_jumps_where_its_motor_does() -> None:
+    rng = np.random.default_rng([0, 7])
     edges_deg = -rng.uniform(5.0, 15.0), rng.uniform(5.0, 15.0)
     jumps_rad_s = rng.uniform(0.5, 1.5), rng.uniform(0.5, 1.5)
     n = 3000

@@ -26,8 +26,7 @@ def _identified(
     return identify_fast([record], FastOptions()), motor.lag_s
 
 
-@pytest.mark.parametrize("noise_rad_s", [0.03, 0.003])
-@pytest.mark.parametrize("kind", ["triangle", "sine"])
+@pytest.mark.parametrize(("kind", "noise_rad_s"), [("triangle", 0.003), ("sine", 0.03)])
 def test_a_phase_that_glides_shows_a_lag_alone(kind: str, noise_rad_s: float) -> None:
     for seed in range(4):
         found, lag_s = _identified(kind, seed, noise_rad_s=noise_rad_s)

@@ -45,7 +45,7 @@ def exact_rad_s(phase_deg: Array) -> Array:
     return slopes[1].difference_rad_s(phase_deg)
 
 
-@settings(deadline=None)
+@settings(deadline=None, max_examples=40)
 @given(st.integers(0, 10_000))
 def test_errors_of_curves_at_their_ends_hardly_show(seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -7,7 +7,17 @@ from tests.usmbench.diagnose.anew.counted_shaft import (
     PLAIN,
     counted_run,
     diagnosed,
+    found_again,
 )
+from usmbench.model.applied import Applied
+from usmbench.model.effects.registry import find_effect
+
+NOISY = Applied(find_effect("unsigned_counts", "with its noise"), {"noise_rad_s": 0.2})
+
+
+@pytest.mark.parametrize("blindness", [PLAIN, NOISY])
+def test_the_loss_of_sign_is_named_and_the_motor_found_again(blindness: Applied) -> None:
+    found_again(blindness)
 
 
 @pytest.mark.parametrize("seed", range(2))

@@ -170,3 +170,11 @@ def _starting(
     settled *= 1.0 + warms * np.expm1(-t_s / 300.0)
     speed = free_run(LINEAR, settled) + NOISE_RAD_S * rng.standard_normal(phase_deg.size)
     return Record(f"run {seed}", t_s, phase_deg, speed, np.full(phase_deg.size, WINDOW_S))
+
+
+def test_a_gain_that_wanders_but_for_the_slip_is_no_news(plain: HammersteinModel) -> None:
+    off = 0.015 * np.array([-1.2, 0.4, 1.1, -0.3, 0.9, -0.9])
+    model = with_knowledge(
+        plain, [driven(k, 1.0 + g, 1.0, n=N) for k, g in enumerate(off, start=10)]
+    )
+    assert diagnose([driven(1, 1.014, 1.0, n=N)], model).verdict == "no_discrepancy"

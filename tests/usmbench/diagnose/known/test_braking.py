@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 from numpy.typing import NDArray
 
 from known_motor import identified
@@ -74,18 +73,15 @@ def test_a_time_constant_of_braking_has_a_shape_of_its_own() -> None:
     np.testing.assert_allclose(-0.01 * column, changed, atol=5e-4)
 
 
-@pytest.mark.parametrize("stays_deg", [(0.0, 88.0), (15.0, 88.0)])
-def test_by_another_plan_it_is_no_news(stays_deg: tuple[float, float]) -> None:
-    """Stays from rest and back to it, or all on one side."""
+def test_by_another_plan_it_is_no_news() -> None:
+    """Stays from rest, either way, and back to it."""
     stairs_deg = np.resize(STAIRS_DEG, 1800)
     settled = _settled_rad_s(stairs_deg)
     days = [_record(stairs_deg, settled, seed, 0.02) for seed in (1, 2, 3)]
     model = with_knowledge(identify_fast(days, FastOptions()).model, days)
-    rng, (least_deg, most_deg) = np.random.default_rng(4), stays_deg
-    other_deg = rng.uniform(least_deg, most_deg, 225)
-    if least_deg == 0.0:
-        other_deg[1::2] = 0.0
-        other_deg *= rng.choice([-1.0, 1.0], other_deg.size)
+    rng = np.random.default_rng(4)
+    other_deg = rng.uniform(-88.0, 88.0, 225)
+    other_deg[1::2] = 0.0
     phase_deg = np.repeat(other_deg, 8)
     found = diagnose([_record(phase_deg, _settled_rad_s(phase_deg), 9, 0.02)], model)
     assert found.verdict == "no_discrepancy"

@@ -5,12 +5,9 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import sawtooth
 
-from known_motor import UP_AND_DOWN_DEG, applied, driven, identified
-from usmbench.diagnose.cutting.cut_runs import cut_runs
+from known_motor import UP_AND_DOWN_DEG, applied, driven, identified, problem_of
 from usmbench.diagnose.fitting.fit import NOTHING
-from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.naming.ranking import Ranked, alternatives, begun_with, rank, undecided
-from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.applied import Applied
 from usmbench.model.effects.base import Effect
 from usmbench.model.effects.registry import find_effect, library
@@ -79,10 +76,7 @@ def test_a_cause_yields_to_what_a_model_may_be_off_by(
     hidden: Applied, weighed: Effect, phase_deg: NDArray[np.float64], *, is_a_cause: bool
 ) -> None:
     model = identified()
-    (stretch,), _ = cut_runs([driven(np.repeat(phase_deg, 10), 3, hidden)], model, ())
-    known = knowledge_of(model)
-    assert known.noise is not None
-    problem = Problem([stretch], known, known.noise, [stretch.use])
+    problem = problem_of([driven(np.repeat(phase_deg, 10), 3, hidden)], model)
     (found,) = rank(problem, [weighed], 1.0)
     assert found.fit.statistic > 100.0
     assert (found.p_value < 1e-6) == is_a_cause
@@ -93,10 +87,7 @@ def test_a_cause_yields_to_what_a_model_may_be_off_by(
 @pytest.mark.parametrize("seed", range(3))
 def test_one_of_many_grids_is_paid_for_with_the_search(seed: int) -> None:
     triangle_deg = 85.0 * sawtooth(0.1 * np.arange(200.0), 0.5)
-    (stretch,), _ = cut_runs([driven(triangle_deg, seed)], identified(), ())
-    known = knowledge_of(identified())
-    assert known.noise is not None
-    problem = Problem([stretch], known, known.noise, [stretch.use])
+    problem = problem_of([driven(triangle_deg, seed)])
     grid, scale = find_effect("phase_quantisation", "rounded"), find_effect("speed_scale", "")
     prices = {r.effect: r.statistic - r.score for r in rank(problem, [grid, scale], 1.0)}
     assert prices[scale] == pytest.approx(np.log(problem.n_rows))

@@ -7,7 +7,16 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import sawtooth
 
-from known_motor import CURVE, NOISE_RAD_S, WINDOW_S, applied, driven, identified, measured
+from known_motor import (
+    CURVE,
+    NOISE_RAD_S,
+    WINDOW_S,
+    applied,
+    driven,
+    identified,
+    measured,
+    problem_of,
+)
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.naming.sporadic import find_sporadic, left_unnamed
@@ -29,10 +38,7 @@ def test_what_an_effect_may_be_off_by_is_no_false_count(scale_error: float, foun
     record = driven(phase_deg, 4, effect)
     off = np.zeros(phase_deg.size)
     off[210::200] = 25.0 * NOISE_RAD_S
-    (stretch,), _ = cut_runs([replace(record, speed_rad_s=record.speed_rad_s + off)], model, ())
-    known = knowledge_of(model)
-    assert known.noise is not None
-    problem = Problem([stretch], known, known.noise, [stretch.use])
+    problem = problem_of([replace(record, speed_rad_s=record.speed_rad_s + off)], model)
     sporadic = find_sporadic(problem, [effect], 1.0)
     assert (sporadic is not None) == found
 
@@ -62,10 +68,7 @@ def two_phases(hits: Array, times_noise: float, *effects: Applied) -> Problem:
     record = driven(phase_deg, 4, *effects)
     speed_rad_s = record.speed_rad_s.copy()
     speed_rad_s[hits] += times_noise * NOISE_RAD_S
-    (stretch,), _ = cut_runs([replace(record, speed_rad_s=speed_rad_s)], model, ())
-    known = knowledge_of(model)
-    assert known.noise is not None
-    return Problem([stretch], known, known.noise, [stretch.use])
+    return problem_of([replace(record, speed_rad_s=speed_rad_s)], model)
 
 
 @pytest.mark.parametrize("by_chance", [True, False])
@@ -76,10 +79,7 @@ def test_what_hangs_on_the_phase_is_no_chance(by_chance: bool) -> None:
     band = (phase_deg > 41.0) & (phase_deg < 44.0)
     struck = np.random.default_rng(3).permutation(band) if by_chance else band
     speed_rad_s = record.speed_rad_s - np.where(struck, 20.0 * NOISE_RAD_S, 0.0)
-    (stretch,), _ = cut_runs([replace(record, speed_rad_s=speed_rad_s)], model, ())
-    known = knowledge_of(model)
-    assert known.noise is not None
-    problem = Problem([stretch], known, known.noise, [stretch.use])
+    problem = problem_of([replace(record, speed_rad_s=speed_rad_s)], model)
     assert (find_sporadic(problem, (), 1.0) is not None) == by_chance
 
 
@@ -91,10 +91,7 @@ def test_a_counter_errs_no_more_often_the_slower_it_counts(slow_ones: bool, foun
     holds = np.flatnonzero(phase_deg[::20] < 33.0) if slow_ones else np.arange(0, 200, 4)
     off = np.zeros(phase_deg.size)
     off[20 * holds[::2] + 13] = 25.0 * NOISE_RAD_S
-    (stretch,), _ = cut_runs([replace(record, speed_rad_s=record.speed_rad_s + off)], model, ())
-    known = knowledge_of(model)
-    assert known.noise is not None
-    problem = Problem([stretch], known, known.noise, [stretch.use])
+    problem = problem_of([replace(record, speed_rad_s=record.speed_rad_s + off)], model)
     assert (find_sporadic(problem, (), 1.0) is not None) == found
 
 
@@ -107,10 +104,7 @@ def test_a_false_count_does_not_wait_for_a_step(after: int, found: bool) -> None
     hits = 20 * np.arange(10, 200, 10) + after
     speed_rad_s = record.speed_rad_s.copy()
     speed_rad_s[hits] += 60.0 * NOISE_RAD_S * draw.choice([-1.0, 1.0], hits.size)
-    (stretch,), _ = cut_runs([replace(record, speed_rad_s=speed_rad_s)], identified(), ())
-    known = knowledge_of(identified())
-    assert known.noise is not None
-    problem = Problem([stretch], known, known.noise, [stretch.use])
+    problem = problem_of([replace(record, speed_rad_s=speed_rad_s)])
     assert (find_sporadic(problem, (), 1.0) is not None) == found
 
 
@@ -125,10 +119,7 @@ def test_a_false_count_is_as_large_as_it_is_beside_its_neighbours() -> None:
     off = np.zeros(phase_deg.size)
     off[13::20] = count_rad_s
     measured = replace(record, speed_rad_s=record.speed_rad_s + part + off)
-    (stretch,), _ = cut_runs([measured], model, ())
-    known = knowledge_of(model)
-    assert known.noise is not None
-    problem = Problem([stretch], known, known.noise, [stretch.use])
+    problem = problem_of([measured], model)
     sporadic = find_sporadic(problem, (), 1.0)
     assert sporadic is not None
     (size,) = [e for e in sporadic.named.parameters if e.name == "size_rad_s"]
@@ -212,14 +203,6 @@ def swinging(off_rad_s: float, *, behind: bool = False) -> tuple[Record, int]:
     return replace(record, speed_rad_s=record.speed_rad_s + off), hit.size
 
 
-def judged(record: Record) -> Problem:
-    """Return a problem in which every window counts."""
-    (stretch,), _ = cut_runs([record], identified(), ())
-    known = knowledge_of(identified())
-    assert known.noise is not None
-    return Problem([stretch], known, known.noise, [stretch.use])
-
-
 @pytest.mark.parametrize(
     ("off_rad_s", "behind", "found"), [(4.0, False, True), (1.0, False, True), (1.0, True, False)]
 )
@@ -227,7 +210,7 @@ def test_what_no_late_command_makes_is_a_false_count_wherever_it_strikes(
     off_rad_s: float, *, behind: bool, found: bool
 ) -> None:
     record, n_hit = swinging(off_rad_s, behind=behind)
-    sporadic = find_sporadic(judged(record), (), 1.0)
+    sporadic = find_sporadic(problem_of([record]), (), 1.0)
     assert (sporadic is not None) == found
     if sporadic is not None:
         assert sporadic.named.name == "count_glitches"
@@ -255,11 +238,8 @@ def test_where_speeds_are_whole_counts_one_more_is_no_false_count(counts: int, f
     record = driven(np.repeat(rng.choice(phases_deg, 100), 20), 4)
     whole = np.rint(CURVE.speed_rad_s(record.phase_deg) / count_rad_s)
     whole[15::200] += counts
-    (stretch,), _ = cut_runs([replace(record, speed_rad_s=count_rad_s * whole)], model, ())
-    known = knowledge_of(model)
-    assert known.noise is not None
-    problem = Problem([stretch], known, known.noise, [stretch.use])
-    assert whole_count_rad_s(stretch) == pytest.approx(count_rad_s)
+    problem = problem_of([replace(record, speed_rad_s=count_rad_s * whole)], model)
+    assert whole_count_rad_s(problem.stretches[0]) == pytest.approx(count_rad_s)
     assert (find_sporadic(problem, (), 1.0) is not None) == found
 
 
@@ -288,5 +268,5 @@ def test_where_all_windows_of_a_phase_scatter_none_stands_alone(
     record = driven(phase_deg, 12)
     hit = (np.abs(phase_deg - 40.0) < 2.0) & (rng.random(phase_deg.size) < struck)
     off_rad_s = 10.0 * NOISE_RAD_S * rng.standard_normal(phase_deg.size)
-    problem = judged(replace(record, speed_rad_s=record.speed_rad_s + hit * off_rad_s))
+    problem = problem_of([replace(record, speed_rad_s=record.speed_rad_s + hit * off_rad_s)])
     assert (find_sporadic(problem, (), 1.0) is not None) == found

@@ -199,10 +199,7 @@ def test_a_third_that_brings_little_is_what_the_forms_of_two_are_off_by(
         known_motor.applied("transport_delay", "", delay_s=0.004),
     )
     drag = known_motor.applied("load_torque", "drag", drag_rad_s=drag_rad_s)
-    (stretch,), _ = cut_runs([known_motor.measured(7, *two, drag)], known_motor.identified(), ())
-    known = knowledge_of(known_motor.identified())
-    assert known.noise is not None
-    problem = Problem([stretch], known, known.noise, [stretch.use])
+    problem = known_motor.problem_of([known_motor.measured(7, *two, drag)])
     found, longer = (Fit(e, problem.drop(e), 0.0) for e in (two, (*two, drag)))
     assert longer.statistic > found.statistic + 100.0
     assert _trifle(Named(problem, [], found, 1.0), longer) == trifle

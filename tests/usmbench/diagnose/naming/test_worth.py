@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from known_motor import applied, driven, identified
+from known_motor import applied, driven, identified, problem_of
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.fitting.fit import NOTHING, Fit
 from usmbench.diagnose.known.model_knowledge import knowledge_of
@@ -26,10 +26,7 @@ def problem() -> Problem:
     """Return a run of a motor that follows late and warms."""
     phase_deg = np.repeat(np.random.default_rng(3).uniform(-88.0, 88.0, 100), 20)
     model = identified()
-    (stretch,), _ = cut_runs([driven(phase_deg, 13, LATE, WARMS)], model, ())
-    known = knowledge_of(model)
-    assert known.noise is not None
-    return Problem([stretch], known, known.noise, [stretch.use])
+    return problem_of([driven(phase_deg, 13, LATE, WARMS)], model)
 
 
 def _fit(problem: Problem, *effects: Applied) -> Fit:
@@ -85,10 +82,7 @@ def test_one_stay_of_the_phase_is_an_accident(stays: tuple[int, ...], *, worth: 
     phase_deg = np.repeat(np.random.default_rng(3).uniform(-88.0, 88.0, 100), 20)
     phase_deg[20 * 20 : 21 * 20] = phase_deg[41 * 20 : 42 * 20] = 16.0
     model, stands = identified(), Applied(_Standing(stays), {})
-    (stretch,), _ = cut_runs([driven(phase_deg, 13, stands)], model, ())
-    known = knowledge_of(model)
-    assert known.noise is not None
-    problem = Problem([stretch], known, known.noise, [stretch.use])
+    problem = problem_of([driven(phase_deg, 13, stands)], model)
     fit = _fit(problem, stands)
     assert worth_a_name(problem, NOTHING, fit, np.array(EVERYWHERE), First(), 1.0) == worth
 
@@ -100,10 +94,7 @@ def test_a_long_stay_in_which_chance_strikes_does_not_hide_the_short_ones(
     long, short = np.full(300, 88.0), np.repeat(np.random.default_rng(4).uniform(-40, 40, 300), 4)
     short[: 8 * (visits - 1)].reshape(-1, 8)[:, :4] = 88.0
     model, loses = identified(), applied("missed_counts", "of all", share_lost=0.5, above_rad_s=9.9)
-    (stretch,), _ = cut_runs([driven(np.r_[long, short], 13, loses)], model, ())
-    known = knowledge_of(model)
-    assert known.noise is not None
-    problem = Problem([stretch], known, known.noise, [stretch.use])
+    problem = problem_of([driven(np.r_[long, short], 13, loses)], model)
     fit = _fit(problem, loses)
     assert worth_a_name(problem, NOTHING, fit, np.array(EVERYWHERE), First(), 1.0) == worth
 
