@@ -32,8 +32,8 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.braking import braking_slower
+from usmbench.diagnose.known.phase_nodes import PHASE_NODES
 from usmbench.diagnose.known.shapes import (
-    PHASE_NODES,
     detuned_rad_s,
     felt,
     held_back,

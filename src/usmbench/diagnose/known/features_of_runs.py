@@ -9,7 +9,7 @@ from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.cutting.warmth import n_constants
 from usmbench.diagnose.known.features import Features
 from usmbench.diagnose.known.gaps import Gaps
-from usmbench.diagnose.known.shapes import TABLED, phase_nodes
+from usmbench.diagnose.known.phase_nodes import TABLED, phase_nodes
 from usmbench.diagnose.known.unmeasured import (
     by_chance_rad_s,
     short_of_ends_deg,

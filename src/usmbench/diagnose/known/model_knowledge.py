@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.known.features import Features
 from usmbench.diagnose.known.knowledge import Knowledge
-from usmbench.diagnose.known.shapes import TABLED, phase_nodes
+from usmbench.diagnose.known.phase_nodes import TABLED, phase_nodes
 from usmbench.diagnose.known.triangle_text import triangle_of, triangle_text
 from usmbench.diagnose.known.wander import wander_from_mapping, wander_of_shares
 from usmbench.diagnose.known.wander_shares import LEAST

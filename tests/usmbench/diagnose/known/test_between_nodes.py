@@ -12,7 +12,7 @@ from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.between_nodes import between_nodes, deviations_rad_s
 from usmbench.diagnose.known.features import Features
 from usmbench.diagnose.known.features_of_runs import features_of
-from usmbench.diagnose.known.shapes import PHASE_NODES
+from usmbench.diagnose.known.phase_nodes import PHASE_NODES
 
 NODES_DEG = tuple(float(node) for node in np.linspace(-72.0, 72.0, PHASE_NODES))
 FEATURES = Features(NODES_DEG, 10.0)

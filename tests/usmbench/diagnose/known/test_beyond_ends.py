@@ -11,7 +11,7 @@ from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.beyond_ends import beyond_ends
 from usmbench.diagnose.known.features import Features
 from usmbench.diagnose.known.features_of_runs import features_of
-from usmbench.diagnose.known.shapes import PHASE_NODES
+from usmbench.diagnose.known.phase_nodes import PHASE_NODES
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.reference import with_knowledge
 from usmbench.identify.fast import FastOptions, identify_fast
