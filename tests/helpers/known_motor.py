@@ -83,9 +83,8 @@ def judged(spread: float) -> Problem:
     return problem_of([record])
 
 
-def problem_of(records: Sequence[Record], by: HammersteinModel | None = None) -> Problem:
-    """Return runs, to be judged by a model, or by the identified one."""
-    model = by or identified()
-    known, (stretches, _) = knowledge_of(model), cut_runs(records, model, ())
+def problem_of(records: Sequence[Record]) -> Problem:
+    """Return runs, to be judged by the identified model."""
+    known, (stretches, _) = knowledge_of(identified()), cut_runs(records, identified(), ())
     assert known.noise is not None
     return Problem(stretches, known, known.noise, [stretch.use for stretch in stretches])

@@ -101,6 +101,8 @@ def smooth_pair(
         What is named with a grid among it.
     """
     smooth, free = [r for r in ranked if not r.effect.jagged], [e for e in effects if not e.jagged]
+    if len({e.name for e in free}) < 2:
+        return None
     pairs = [_led_by(problem, smooth[0], free, spread), *_led_by_rivals(problem, smooth)]
     best = max(pairs, key=lambda fit: fit.statistic)
     if best.statistic - jagged.statistic < SECOND_LEAST * spread**2:

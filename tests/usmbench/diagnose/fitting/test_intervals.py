@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from known_motor import applied, identified, measured, problem_of
+from known_motor import applied, measured, problem_of
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.intervals import intervals
@@ -54,12 +54,11 @@ def test_a_warm_up_far_beyond_the_run_leaves_its_end_open_and_its_slope_known() 
 
 @pytest.mark.parametrize("effect", ["gain_asymmetry", "transport_delay"])
 def test_a_noise_that_has_grown_widens_it_by_as_much(effect: str) -> None:
-    model = identified()
     hidden = {
         "gain_asymmetry": applied("gain_asymmetry", "balanced", asymmetry=0.03),
         "transport_delay": applied("transport_delay", "", delay_s=0.003),
     }[effect]
-    problem = problem_of([measured(5, hidden)], model)
+    problem = problem_of([measured(5, hidden)])
     fit = refine(problem, Fit((hidden,), 0.0, 0.0))
     widths = []
     for spread in (1.0, 1.5):

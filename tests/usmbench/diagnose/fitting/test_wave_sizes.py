@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from known_motor import applied, identified, measured, problem_of
+from known_motor import applied, measured, problem_of
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.refining import refine
 from usmbench.diagnose.fitting.wave_sizes import polar, wave_sizes
@@ -29,10 +29,9 @@ def test_a_wave_that_may_be_none_has_any_angle() -> None:
 
 
 def test_a_disc_off_centre_is_an_amplitude_at_an_angle() -> None:
-    model = identified()
     disc = applied("encoder_eccentricity", "", cosine=0.012, sine=-0.016)
     delay = applied("transport_delay", "", delay_s=0.003)
-    problem = problem_of([measured(5, disc)], model)
+    problem = problem_of([measured(5, disc)])
     fit = refine(problem, Fit((disc,), 0.0, 0.0))
     ((size, angle),) = wave_sizes(problem, fit, 1.0)
     assert size.low < 0.02 < size.high < 0.022

@@ -2,9 +2,12 @@
 
 import pytest
 
-from known_motor import applied, identified
+from known_motor import applied, identified, measured, problem_of
 from tests.usmbench.diagnose.naming.offset_runs import cut_run, offset
+from usmbench.diagnose.naming.pairs import smooth_pair
+from usmbench.diagnose.naming.ranking import rank
 from usmbench.diagnose.pipeline import searched
+from usmbench.model.effects.registry import library
 from usmbench.model.hammerstein import HammersteinModel
 
 
@@ -20,3 +23,10 @@ def test_an_offset_and_teeth_that_lean_against_it_are_both_named(model: Hammerst
     assert sorted(found.names) == ["gain_asymmetry", "phase_offset"]
     assert values["phase_offset"]["offset_deg"] == pytest.approx(-0.6, abs=0.02)
     assert values["gain_asymmetry"]["asymmetry"] == pytest.approx(0.02, abs=1e-3)
+
+
+def test_of_causes_that_are_all_on_a_grid_none_are_smooth() -> None:
+    problem = problem_of([measured(5, applied("phase_quantisation", "cut off", step_deg=3.0))])
+    grids = [e for e in library() if e.name == "phase_quantisation"]
+    ranked = rank(problem, grids, 1.0)
+    assert smooth_pair(problem, ranked, grids, 1.0, ranked[0].fit) is None

@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import sawtooth
 
-from known_motor import UP_AND_DOWN_DEG, applied, driven, identified, problem_of
+from known_motor import UP_AND_DOWN_DEG, applied, driven, problem_of
 from usmbench.diagnose.fitting.fit import NOTHING
 from usmbench.diagnose.naming.ranking import Ranked, alternatives, begun_with, rank, undecided
 from usmbench.model.applied import Applied
@@ -75,8 +75,7 @@ FROM_REST_DEG = np.ravel([(0.0, phase_deg) for phase_deg in np.arange(-84.0, 85.
 def test_a_cause_yields_to_what_a_model_may_be_off_by(
     hidden: Applied, weighed: Effect, phase_deg: NDArray[np.float64], *, is_a_cause: bool
 ) -> None:
-    model = identified()
-    problem = problem_of([driven(np.repeat(phase_deg, 10), 3, hidden)], model)
+    problem = problem_of([driven(np.repeat(phase_deg, 10), 3, hidden)])
     (found,) = rank(problem, [weighed], 1.0)
     assert found.fit.statistic > 100.0
     assert (found.p_value < 1e-6) == is_a_cause

@@ -32,13 +32,12 @@ Array = NDArray[np.int64]
 
 @pytest.mark.parametrize(("scale_error", "found"), [(0.01, True), (0.3, False)])
 def test_what_an_effect_may_be_off_by_is_no_false_count(scale_error: float, found: bool) -> None:
-    model = identified()
     effect = applied("speed_scale", "", scale_error=scale_error)
     phase_deg = np.repeat(np.random.default_rng(2).uniform(30.0, 88.0, 100), 20)
     record = driven(phase_deg, 4, effect)
     off = np.zeros(phase_deg.size)
     off[210::200] = 25.0 * NOISE_RAD_S
-    problem = problem_of([replace(record, speed_rad_s=record.speed_rad_s + off)], model)
+    problem = problem_of([replace(record, speed_rad_s=record.speed_rad_s + off)])
     sporadic = find_sporadic(problem, [effect], 1.0)
     assert (sporadic is not None) == found
 
@@ -63,35 +62,32 @@ def test_what_comes_back_with_the_plan_is_no_chance(always_there: bool) -> None:
 
 def two_phases(hits: Array, times_noise: float, *effects: Applied) -> Problem:
     """Return a run to and fro between two phases, some of its windows off by some noise."""
-    model = identified()
     phase_deg = np.tile(np.repeat([30.0, 44.0], 20), 50)  # on a grid of 30 degrees, and beside it
     record = driven(phase_deg, 4, *effects)
     speed_rad_s = record.speed_rad_s.copy()
     speed_rad_s[hits] += times_noise * NOISE_RAD_S
-    return problem_of([replace(record, speed_rad_s=speed_rad_s)], model)
+    return problem_of([replace(record, speed_rad_s=speed_rad_s)])
 
 
 @pytest.mark.parametrize("by_chance", [True, False])
 def test_what_hangs_on_the_phase_is_no_chance(by_chance: bool) -> None:
-    model = identified()
     phase_deg = 85.0 * sawtooth(0.1 * np.arange(4000.0), 0.5)
     record = driven(phase_deg, 4)
     band = (phase_deg > 41.0) & (phase_deg < 44.0)
     struck = np.random.default_rng(3).permutation(band) if by_chance else band
     speed_rad_s = record.speed_rad_s - np.where(struck, 20.0 * NOISE_RAD_S, 0.0)
-    problem = problem_of([replace(record, speed_rad_s=speed_rad_s)], model)
+    problem = problem_of([replace(record, speed_rad_s=speed_rad_s)])
     assert (find_sporadic(problem, (), 1.0) is not None) == by_chance
 
 
 @pytest.mark.parametrize(("slow_ones", "found"), [(False, True), (True, False)])
 def test_a_counter_errs_no_more_often_the_slower_it_counts(slow_ones: bool, found: bool) -> None:
-    model = identified()
     phase_deg = np.repeat(np.random.default_rng(7).uniform(15.0, 88.0, 200), 20)
     record = driven(phase_deg, 4)
     holds = np.flatnonzero(phase_deg[::20] < 33.0) if slow_ones else np.arange(0, 200, 4)
     off = np.zeros(phase_deg.size)
     off[20 * holds[::2] + 13] = 25.0 * NOISE_RAD_S
-    problem = problem_of([replace(record, speed_rad_s=record.speed_rad_s + off)], model)
+    problem = problem_of([replace(record, speed_rad_s=record.speed_rad_s + off)])
     assert (find_sporadic(problem, (), 1.0) is not None) == found
 
 
@@ -109,7 +105,6 @@ def test_a_false_count_does_not_wait_for_a_step(after: int, found: bool) -> None
 
 
 def test_a_false_count_is_as_large_as_it_is_beside_its_neighbours() -> None:
-    model = identified()
     draw = np.random.default_rng(6)
     phase_deg = np.repeat(draw.uniform(30.0, 88.0, 100), 20)
     record = driven(phase_deg, 4)
@@ -119,7 +114,7 @@ def test_a_false_count_is_as_large_as_it_is_beside_its_neighbours() -> None:
     off = np.zeros(phase_deg.size)
     off[13::20] = count_rad_s
     measured = replace(record, speed_rad_s=record.speed_rad_s + part + off)
-    problem = problem_of([measured], model)
+    problem = problem_of([measured])
     sporadic = find_sporadic(problem, (), 1.0)
     assert sporadic is not None
     (size,) = [e for e in sporadic.named.parameters if e.name == "size_rad_s"]
@@ -234,11 +229,11 @@ def test_where_speeds_are_whole_counts_one_more_is_no_false_count(counts: int, f
     count_rad_s = 2.0 * np.pi / 2000.0 / WINDOW_S
     fine_deg = np.linspace(20.0, 88.0, 5000)
     phases_deg = np.interp(count_rad_s * np.arange(10, 32), CURVE.speed_rad_s(fine_deg), fine_deg)
-    model, rng = identified(), np.random.default_rng(4)
+    rng = np.random.default_rng(4)
     record = driven(np.repeat(rng.choice(phases_deg, 100), 20), 4)
     whole = np.rint(CURVE.speed_rad_s(record.phase_deg) / count_rad_s)
     whole[15::200] += counts
-    problem = problem_of([replace(record, speed_rad_s=count_rad_s * whole)], model)
+    problem = problem_of([replace(record, speed_rad_s=count_rad_s * whole)])
     assert whole_count_rad_s(problem.stretches[0]) == pytest.approx(count_rad_s)
     assert (find_sporadic(problem, (), 1.0) is not None) == found
 

@@ -25,8 +25,7 @@ EVERYWHERE, ONE_PLACE = [80.0, 100.0, 60.0, 80.0], [20.0, 20.0, 260.0, 20.0]
 def problem() -> Problem:
     """Return a run of a motor that follows late and warms."""
     phase_deg = np.repeat(np.random.default_rng(3).uniform(-88.0, 88.0, 100), 20)
-    model = identified()
-    return problem_of([driven(phase_deg, 13, LATE, WARMS)], model)
+    return problem_of([driven(phase_deg, 13, LATE, WARMS)])
 
 
 def _fit(problem: Problem, *effects: Applied) -> Fit:
@@ -81,8 +80,8 @@ class _Standing(Effect):
 def test_one_stay_of_the_phase_is_an_accident(stays: tuple[int, ...], *, worth: bool) -> None:
     phase_deg = np.repeat(np.random.default_rng(3).uniform(-88.0, 88.0, 100), 20)
     phase_deg[20 * 20 : 21 * 20] = phase_deg[41 * 20 : 42 * 20] = 16.0
-    model, stands = identified(), Applied(_Standing(stays), {})
-    problem = problem_of([driven(phase_deg, 13, stands)], model)
+    stands = Applied(_Standing(stays), {})
+    problem = problem_of([driven(phase_deg, 13, stands)])
     fit = _fit(problem, stands)
     assert worth_a_name(problem, NOTHING, fit, np.array(EVERYWHERE), First(), 1.0) == worth
 
@@ -93,8 +92,8 @@ def test_a_long_stay_in_which_chance_strikes_does_not_hide_the_short_ones(
 ) -> None:
     long, short = np.full(300, 88.0), np.repeat(np.random.default_rng(4).uniform(-40, 40, 300), 4)
     short[: 8 * (visits - 1)].reshape(-1, 8)[:, :4] = 88.0
-    model, loses = identified(), applied("missed_counts", "of all", share_lost=0.5, above_rad_s=9.9)
-    problem = problem_of([driven(np.r_[long, short], 13, loses)], model)
+    loses = applied("missed_counts", "of all", share_lost=0.5, above_rad_s=9.9)
+    problem = problem_of([driven(np.r_[long, short], 13, loses)])
     fit = _fit(problem, loses)
     assert worth_a_name(problem, NOTHING, fit, np.array(EVERYWHERE), First(), 1.0) == worth
 
