@@ -23,6 +23,7 @@ _FEWEST_QUIET = 50  # rows
 _RUNS_OUT = 0.1  # of the speed up to which a rotor counts as standing; nothing measured sets it
 _QUARTERS = 4  # of the phases: the fewest that tell near and far from the dead zone on both sides
 _QUIET_SHARE, _NO_STEP_RAD_S = 0.2, 1e-9  # of the rows of a rotor that turns
+_WAVES = 0.1  # of what is left in the middle row; nothing measured sets it
 _LEAST = 1e-5  # of the highest speed; speeds that were computed have no noise, nor its colour
 _CALM, _FEWEST_CALM = 0.9, 500  # of the level; rows
 _AS_STATED = 1.2  # times: what a model states is rounded, and an estimate off by a tenth
@@ -49,7 +50,8 @@ def estimate_noise(
         (N, K) a stretch; None where the residuals are those of other runs than the fit.
     """
     phase_deg = np.concatenate([s.context.phase_deg for s in stretches])
-    error, quiet = np.concatenate(list(residuals)), _quiet(stretches, np.concatenate(list(masks)))
+    error = np.concatenate(list(residuals))
+    quiet = _quiet(stretches, error, np.concatenate(list(masks)))
     centres, sigma = levels(phase_deg[quiet], error[quiet], _dead_zone_deg(stretches))
     least_rad_s = _LEAST * max(float(np.max(np.abs(s.settled_rad_s))) for s in stretches)
     flat = noise_with_steps(centres, np.maximum(sigma, least_rad_s), stretches, residuals, masks)
@@ -59,19 +61,21 @@ def estimate_noise(
     return replace(flat, ar=ar, innovation=innovation)
 
 
-def _quiet(stretches: Sequence[Stretch], use: Mask) -> Mask:
+def _quiet(stretches: Sequence[Stretch], error: Array, use: Mask) -> Mask:
     """Rows that show the noise alone, of a rotor that turns, too: far from steps, or after little.
 
     Where a phase glides, the few rows at its crest, those of a rotor at rest, and those of a
     warm-up at one phase say too little. A rotor that runs out in the dead zone has not the noise of
-    one that stands there.
+    one that stands there. One that stood and stands took no step, though its curve waves a little.
     """
     lag = np.concatenate([s.lag for s in stretches])
     size = np.concatenate([np.abs(s.step_rad_s) for s in stretches])
     use = use & ~np.concatenate([runs_out(s) > _RUNS_OUT for s in stretches])
     turning = use & np.concatenate([turns(s) for s in stretches])
     n_turning = max(int(np.count_nonzero(turning)), 1)
-    far = use & ((lag >= LAGS) | (size < _NO_STEP_RAD_S))
+    waves_rad_s = _WAVES * float(np.median(np.abs(error[use]))) if use.any() else 0.0
+    no_step_rad_s = np.where(turning, _NO_STEP_RAD_S, max(_NO_STEP_RAD_S, waves_rad_s))
+    far = use & ((lag >= LAGS) | (size < no_step_rad_s))
     if _at_all_phases(stretches, far & turning, turning):
         return far
     near = use & (lag >= min(2, int(lag[use].max(initial=0))))
