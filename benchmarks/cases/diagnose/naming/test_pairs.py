@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from known_motor import applied, driven
-from tests.usmbench.diagnose.naming.offset_runs import cut_run, offset
+from tests.usmbench.diagnose.naming.offset_runs import assert_both_named, cut_run, offset
 from tests.usmbench.diagnose.naming.searched_runs import searched_run
 from usmbench.diagnose.naming.pairs import hidden_pair
 from usmbench.diagnose.naming.ranking import rank
@@ -78,20 +78,14 @@ def test_an_offset_and_teeth_that_lean_are_both_named(
 ) -> None:
     lean = applied("gain_asymmetry", "balanced", asymmetry=asymmetry)
     found = searched(cut_run(model, offset(offset_deg), lean, stairs=True), model)
-    values = {a.effect.name: a.values for a in found.fit.effects}
-    assert sorted(found.names) == ["gain_asymmetry", "phase_offset"]
-    assert values["phase_offset"]["offset_deg"] == pytest.approx(offset_deg, abs=0.02)
-    assert values["gain_asymmetry"]["asymmetry"] == pytest.approx(asymmetry, abs=1e-3)
+    assert_both_named(found, offset_deg, lean)
 
 
 def test_an_offset_and_another_scale_are_both_named(model: HammersteinModel) -> None:
     """Though what fits best alone is neither: a drag and steps make up for the two."""
     scaled = applied("phase_scale", "", scale_error=-0.01)
     found = searched(cut_run(model, offset(-0.26), scaled, stairs=True), model)
-    values = {a.effect.name: a.values for a in found.fit.effects}
-    assert sorted(found.names) == ["phase_offset", "phase_scale"]
-    assert values["phase_offset"]["offset_deg"] == pytest.approx(-0.26, abs=0.02)
-    assert values["phase_scale"]["scale_error"] == pytest.approx(-0.01, abs=1e-3)
+    assert_both_named(found, -0.26, scaled)
 
 
 def test_an_offset_and_another_scale_pass_for_no_grid_and_a_gain(model: HammersteinModel) -> None:
@@ -102,7 +96,4 @@ def test_an_offset_and_another_scale_pass_for_no_grid_and_a_gain(model: Hammerst
     scaled = applied("phase_scale", "", scale_error=-0.0144)
     record = driven(phase_deg, 202, scaled, offset(0.358))
     found = searched_run(record, model)
-    values = {a.effect.name: a.values for a in found.fit.effects}
-    assert sorted(found.names) == ["phase_offset", "phase_scale"]
-    assert values["phase_offset"]["offset_deg"] == pytest.approx(0.358, abs=0.02)
-    assert values["phase_scale"]["scale_error"] == pytest.approx(-0.0144, abs=1e-3)
+    assert_both_named(found, 0.358, scaled)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
+from usmbench.diagnose.cutting.stretches import Mask
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.refining import refine
 from usmbench.diagnose.fitting.shape_ratings import Rated, matched
@@ -76,7 +77,7 @@ def _best(problem: Problem, applied: Applied, others: tuple[Applied, ...]) -> Ra
     rated = [(t.values, matched(t.drop, t.square)) for t in _at(search, applied, tried)]
     worth = np.array([value for _, value in rated])
     # A peak is wider than one step here, so that the best few of all would be one peak.
-    summits = np.flatnonzero((worth >= maximum_filter1d(worth, 3)) & (told_apart > 0.0))
+    summits = np.flatnonzero((worth >= maximum_filter1d(worth, 3)) & told_apart)
     found = []
     for k in summits[np.argsort(-worth[summits])][:_PEAKS]:
         near, _ = search.zoomed(rated[k], applied.effect.parameters[0], tried, (), matched)
@@ -84,7 +85,7 @@ def _best(problem: Problem, applied: Applied, others: tuple[Applied, ...]) -> Ra
     return max(found, key=lambda one: one[1], default=None)
 
 
-def _alike(problem: Problem, applied: Applied) -> tuple[Array, Array]:
+def _alike(problem: Problem, applied: Applied) -> tuple[Array, Mask]:
     """Return what `Effect.alike` says of an effect in these runs."""
     return applied.effect.alike(applied.values, [s.context for s in problem.stretches])
 

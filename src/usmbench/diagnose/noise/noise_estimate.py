@@ -74,8 +74,8 @@ def _quiet(stretches: Sequence[Stretch], error: Array, use: Mask) -> Mask:
     turning = use & np.concatenate([turns(s) for s in stretches])
     n_turning = max(int(np.count_nonzero(turning)), 1)
     waves_rad_s = _WAVES * float(np.median(np.abs(error[use]))) if use.any() else 0.0
-    no_step_rad_s = np.where(turning, _NO_STEP_RAD_S, max(_NO_STEP_RAD_S, waves_rad_s))
-    far = use & ((lag >= LAGS) | (size < no_step_rad_s))
+    still = ~turning & (size < waves_rad_s)
+    far: Mask = use & ((lag >= LAGS) | (size < _NO_STEP_RAD_S) | still)
     if _at_all_phases(stretches, far & turning, turning):
         return far
     near = use & (lag >= min(2, int(lag[use].max(initial=0))))

@@ -27,6 +27,7 @@ from usmbench.model.effects.parameter import Parameter, Wave
 from usmbench.model.hammerstein import LinearPart
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 Stage = Literal["command", "settled", "dynamics", "motion", "counter"]
 Values = Mapping[str, float]
 
@@ -122,7 +123,7 @@ class Effect(ABC):
         """
         return False
 
-    def alike(self, values: Values, contexts: Sequence[Context]) -> tuple[Array, Array]:
+    def alike(self, values: Values, contexts: Sequence[Context]) -> tuple[Array, Mask]:
         """Return other values of a jagged effect's only parameter that may do about the same.
 
         Parameters
@@ -134,10 +135,10 @@ class Effect(ABC):
 
         Returns
         -------
-        tuple of Array and Array
-            The values, rising, and 1 for those that no smooth effect does as well, shape (V,) each.
+        tuple of Array and Mask
+            The values, rising, and which of them no smooth effect does as well, shape (V,) each.
         """
-        return np.empty(0), np.empty(0)
+        return np.empty(0), np.empty(0, dtype=np.bool_)
 
     def beneath(
         self,

@@ -5,13 +5,10 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from usmbench.model.effects.base import DEFINITION, Array, Effect, Values
+from usmbench.model.effects.base import DEFINITION, Array, Effect, Mask, Values
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.parameter import Parameter
-
-Mask = NDArray[np.bool_]
 
 _MEANING = "The generator sets the phase on a coarse grid instead of where it is commanded."
 _MEND = "Read the generator's phase register back, and check how many of its bits are written."
@@ -135,7 +132,7 @@ class RoundedPhase(Effect):
         tried = np.unique([*_USUAL_DEG, *free])
         return {"step_deg": tried[tried <= _COARSEST_DEG]}
 
-    def alike(self, values: Values, contexts: Sequence[Context]) -> tuple[Array, Array]:
+    def alike(self, values: Values, contexts: Sequence[Context]) -> tuple[Array, Mask]:
         """Return steps from half of one to twice as much, where phases are few.
 
         Parameters
@@ -147,7 +144,7 @@ class RoundedPhase(Effect):
             return super().alike(values, contexts)
         steps_deg = values["step_deg"] * np.geomspace(1.0 / _FARTHEST, _FARTHEST, _ALIKE)
         steps_deg = steps_deg[steps_deg <= _COARSEST_DEG]
-        return steps_deg, _told_apart(steps_deg, contexts).astype(np.float64)
+        return steps_deg, _told_apart(steps_deg, contexts)
 
     def built_in(self, contexts: Sequence[Context]) -> dict[str, float] | None:
         """Return the generator's own step, where all runs say one and the same.

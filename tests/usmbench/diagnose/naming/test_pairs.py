@@ -3,7 +3,7 @@
 import pytest
 
 from known_motor import applied, identified, measured, problem_of
-from tests.usmbench.diagnose.naming.offset_runs import cut_run, offset
+from tests.usmbench.diagnose.naming.offset_runs import assert_both_named, cut_run, offset
 from usmbench.diagnose.naming.pairs import smooth_pair
 from usmbench.diagnose.naming.ranking import rank
 from usmbench.diagnose.pipeline import searched
@@ -19,10 +19,7 @@ def model() -> HammersteinModel:
 def test_an_offset_and_teeth_that_lean_against_it_are_both_named(model: HammersteinModel) -> None:
     lean = applied("gain_asymmetry", "balanced", asymmetry=0.02)
     found = searched(cut_run(model, offset(-0.6), lean, stairs=True), model)
-    values = {a.effect.name: a.values for a in found.fit.effects}
-    assert sorted(found.names) == ["gain_asymmetry", "phase_offset"]
-    assert values["phase_offset"]["offset_deg"] == pytest.approx(-0.6, abs=0.02)
-    assert values["gain_asymmetry"]["asymmetry"] == pytest.approx(0.02, abs=1e-3)
+    assert_both_named(found, -0.6, lean)
 
 
 def test_of_causes_that_are_all_on_a_grid_none_are_smooth() -> None:
