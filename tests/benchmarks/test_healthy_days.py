@@ -5,14 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.healthy_days import Healthy, draw, on_a_day, report
+from benchmarks.healthy_days import Healthy, on_a_day, report
 from benchmarks.plain_motor import CURVES, PlainMotor, Wrong, speed_rad_s
 
 MOTOR = PlainMotor((8.0, 12.0), 25.0, 10.0, 0.003, "steep")
-
-
-def test_a_motor_with_nothing_wrong_gets_no_name() -> None:
-    assert draw(71, 0, 400) == Healthy(0.0, "smooth", "no_discrepancy", ())
 
 
 def test_a_motor_that_brakes_faster_does_so_and_runs_up_as_before() -> None:

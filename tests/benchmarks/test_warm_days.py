@@ -4,17 +4,10 @@ import numpy as np
 import pytest
 
 from benchmarks.plain_motor import FINE, PlainMotor
-from benchmarks.warm_days import Day, Warming, draw, report
+from benchmarks.warm_days import Day, Warming, report
 
 MOTOR = PlainMotor((8.0, 12.0), 25.0, 10.0, 0.003)
 WARMING = Warming(0.02, 0.06, 30.0)
-
-
-def test_a_healthy_motor_that_begins_warm_gets_no_name() -> None:
-    day = draw(71, 0, 700)
-    assert (day.group, day.cause) == ("warm, healthy", "")
-    assert day.begins > 0.3
-    assert day.right
 
 
 def test_a_warm_motor_has_lost_speed_and_its_dead_zone_is_wider() -> None:

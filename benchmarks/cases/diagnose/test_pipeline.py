@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from known_motor import NOISE_RAD_S, WINDOW_S, applied, driven, measured, wandering
+from tests.usmbench.diagnose.hidden_effect import assert_named
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.reference import with_knowledge
 from usmbench.identify.fast import FastOptions, identify_fast
@@ -13,6 +14,8 @@ from usmbench.model.applied import Applied
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.linear import free_run
+from usmbench.model.replay import replay_record
+from usmbench.runs.pauses import COOLED_S
 from usmbench.runs.record import Record
 
 
@@ -99,3 +102,36 @@ def test_what_shows_at_a_few_starts_only_is_named_from_several_on(
 def test_the_same_runs_give_the_same_words(model: HammersteinModel) -> None:
     record = measured(11, applied("speed_scale", "", scale_error=0.01))
     assert diagnose([record], model).to_json() == diagnose([record], model).to_json()
+
+
+def test_a_motor_that_cooled_in_a_pause_warms_again(model: HammersteinModel) -> None:
+    warming = applied("thermal_drift", "speed", final_drift=-0.05, warm_up_s=20.0)
+    first, second = measured(7, warming), measured(8, warming)
+    record = replace(
+        first,
+        t_s=np.r_[first.t_s, first.t_s[-1] + COOLED_S + second.t_s],
+        phase_deg=np.r_[first.phase_deg, second.phase_deg],
+        speed_rad_s=np.r_[first.speed_rad_s, second.speed_rad_s],
+        window_s=np.r_[first.window_s, second.window_s],
+    )
+    found = diagnose([record], model)
+    assert [cause.name for cause in found.causes] == ["thermal_drift"]
+    assert found.verdict == "explained"
+    replayed = replay_record(record, found.extended)
+    assert replayed.rmse_rad_s < 1.3 * found.noise_floor_rad_s
+
+
+@pytest.mark.parametrize(
+    ("hidden", "parameter"),
+    [
+        (applied("load_torque", "weight", one_sided_rad_s=0.1), "one_sided_rad_s"),
+        (applied("unsigned_counts", ""), None),
+        (applied("swapped_channels", "of the drive"), None),
+        (applied("phase_scale", "", scale_error=-0.03), "scale_error"),
+    ],
+    ids=lambda value: value.effect.form or value.effect.name if isinstance(value, Applied) else "",
+)
+def test_names_what_was_hidden(
+    model: HammersteinModel, hidden: Applied, parameter: str | None
+) -> None:
+    assert_named(model, hidden, parameter)

@@ -158,3 +158,22 @@ def test_several_causes_that_leave_something_have_no_name(
 ) -> None:
     monkeypatch.setattr(verdict, "by_share_left", lambda *_: "partly_explained")
     assert diagnose([measured(12, *_THREE[:n_named])], model).verdict == says
+
+
+def test_a_hum_is_no_noise_of_a_model_that_states_its_noise(model: HammersteinModel) -> None:
+    by_hand = replace(model, residual={})
+    healthy = measured(3)
+    assert diagnose([healthy], by_hand).verdict == "no_discrepancy"
+    hum = 0.2 * np.sin(2.0 * np.pi * 7.3 * healthy.t_s)
+    humming = replace(healthy, speed_rad_s=healthy.speed_rad_s + hum)
+    found = diagnose([humming], by_hand)
+    assert (found.verdict, found.causes) == ("unexplained", ())
+
+
+@pytest.mark.parametrize(("reversals", "named"), [(2, False), (60, True)])
+def test_a_cause_that_acts_on_a_handful_of_windows_is_not_named(
+    model: HammersteinModel, reversals: int, named: bool
+) -> None:
+    phase_deg = 60.0 * np.sign(np.sin(np.arange(2000) * np.pi * (reversals + 0.5) / 2000.0 + 1e-6))
+    found = diagnose([driven(phase_deg, 17, applied("coupling_backlash", "", gap_rad=0.1))], model)
+    assert ("coupling_backlash" in [cause.name for cause in found.causes]) == named

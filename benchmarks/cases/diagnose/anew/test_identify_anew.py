@@ -12,10 +12,13 @@ from tests.usmbench.diagnose.anew.counted_shaft import (
 from usmbench.model.applied import Applied
 from usmbench.model.effects.registry import find_effect
 
+RECTIFIED = Applied(
+    find_effect("unsigned_counts", "rectified"), {"knee_rad_s": 1.0, "smoothing_s": 0.04}
+)
 NOISY = Applied(find_effect("unsigned_counts", "with its noise"), {"noise_rad_s": 0.2})
 
 
-@pytest.mark.parametrize("blindness", [PLAIN, NOISY])
+@pytest.mark.parametrize("blindness", [PLAIN, RECTIFIED, NOISY])
 def test_the_loss_of_sign_is_named_and_the_motor_found_again(blindness: Applied) -> None:
     found_again(blindness)
 

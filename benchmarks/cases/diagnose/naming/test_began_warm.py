@@ -33,3 +33,11 @@ def test_a_motor_that_warms_twice_as_much_drifts(model: HammersteinModel) -> Non
     found = diagnose([driven(15, loses=2.0 * LOSES)], model)
     assert [cause.name for cause in found.causes] == ["thermal_drift"]
     assert not any("warm when the run began" in w for w in found.warnings)
+
+
+def test_a_run_that_begins_warm_is_no_news_and_said_to_be_warm(model: HammersteinModel) -> None:
+    found = diagnose([driven(11, 0.6)], model)
+    assert (found.verdict, found.causes) == ("no_discrepancy", ())
+    (said,) = (w for w in found.warnings if "warm when the run began" in w)
+    assert said.startswith("run 11: ")
+    assert "if it was cold, " in said

@@ -7,6 +7,7 @@ from known_motor import applied, measured
 from tests.usmbench.diagnose.naming.swallowed_counts import (
     COUNT_RAD_S,
     dwelling,
+    fast_windows,
     names_in,
     once_lost,
     saying,
@@ -91,3 +92,18 @@ def test_a_small_scale_is_named_beside_lost_counts_that_explain_far_more(
     slower = applied("speed_scale", "", scale_error=0.003)
     names = names_in(swallowed(dwelling(slower), 0.5), model)
     assert names == ["missed_counts", "speed_scale"]
+
+
+def test_false_counts_are_named_from_windows_too_slow_to_swallow_any(
+    model: HammersteinModel,
+) -> None:
+    record, rng = swallowed(dwelling(), 0.5), np.random.default_rng(3)
+    n = record.t_s.size
+    false = rng.choice([-1.0, 1.0], n) * (rng.uniform(size=n) < 0.02)
+    assert names_in(with_counts(record, false), model) == ["missed_counts", "count_glitches"]
+
+
+def test_scatter_at_high_speed_that_is_no_loss_has_no_name(model: HammersteinModel) -> None:
+    record = measured(13)
+    shaken = 4.0 * np.random.default_rng(4).standard_normal(record.t_s.size) * fast_windows(record)
+    assert diagnose([with_counts(record, shaken)], model).verdict == "unexplained"

@@ -97,3 +97,9 @@ def test_an_offset_and_another_scale_pass_for_no_grid_and_a_gain(model: Hammerst
     record = driven(phase_deg, 202, scaled, offset(0.358))
     found = searched_run(record, model)
     assert_both_named(found, 0.358, scaled)
+
+
+def test_an_offset_and_teeth_that_lean_against_it_are_both_named(model: HammersteinModel) -> None:
+    lean = applied("gain_asymmetry", "balanced", asymmetry=0.02)
+    found = searched(cut_run(model, offset(-0.6), lean, stairs=True), model)
+    assert_both_named(found, -0.6, lean)

@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from known_motor import CURVE, identified, measured
+from known_motor import LINEAR as KNOWN
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.reference import with_knowledge
 from usmbench.identify.fast import FastOptions, identify_fast
@@ -59,3 +61,18 @@ def test_a_weight_that_turns_the_rotor_where_it_should_stand_is_named(
     (cause,) = found.causes
     assert (cause.name, found.verdict) == ("load_torque", "explained")
     assert cause.parameters[0].value == pytest.approx(weight_rad_s, rel=0.05)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_torque_that_widens_the_dead_zone_is_named(seed: int) -> None:
+    draw = np.random.default_rng([seed, 77])
+    healthy, wider_deg = measured(80 + seed), draw.uniform(1.0, 6.0)
+    size_deg = np.maximum(np.abs(healthy.phase_deg) - wider_deg, 0.0)
+    moved = CURVE.speed_rad_s(np.sign(healthy.phase_deg) * size_deg)
+    noise_rad_s = healthy.speed_rad_s - free_run(KNOWN, CURVE.speed_rad_s(healthy.phase_deg))
+    found = diagnose(
+        [replace(healthy, speed_rad_s=free_run(KNOWN, moved) + noise_rad_s)], identified()
+    )
+    (cause,) = found.causes
+    assert (cause.name, found.verdict) == ("load_torque", "explained")
+    assert cause.parameters[0].value == pytest.approx(wider_deg, rel=0.1)

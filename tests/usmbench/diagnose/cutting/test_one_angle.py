@@ -6,23 +6,12 @@ import pytest
 from known_motor import applied, driven, eccentric, identified, measured
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.one_angle import at_one_angle
-from usmbench.diagnose.pipeline import diagnose
 from usmbench.model.hammerstein import HammersteinModel
 
 
 @pytest.fixture(scope="module")
 def model() -> HammersteinModel:
     return identified()
-
-
-def test_a_disc_is_named_from_runs_that_begin_at_other_angles(model: HammersteinModel) -> None:
-    runs = [eccentric(3, 0.012, 0.4), eccentric(4, 0.012, 3.5)]
-    found = diagnose(runs, model)
-    (cause,) = found.causes
-    assert cause.name == "encoder_eccentricity"
-    cosine, sine = (parameter.value for parameter in cause.parameters)
-    assert np.hypot(cosine, sine) == pytest.approx(0.012, rel=0.1)
-    assert any("begins anew in each run" in warning for warning in found.warnings)
 
 
 @pytest.mark.parametrize("n", [300, 1000])

@@ -54,7 +54,7 @@ def test_a_grid_is_found_among_levels_farther_apart_and_not_one_that_moves_them_
 ) -> None:
     # Those of 0.53, 2.53 or 3.53 steps a level move each level by the same share of a step.
     up_deg = np.linspace(-88.0, 88.0, levels)
-    phase_deg = np.tile(np.repeat(np.r_[up_deg, up_deg[::-1]], 8), 3)
+    phase_deg = np.repeat(np.r_[up_deg, up_deg[::-1]], 8)
     step_deg = float(up_deg[1] - up_deg[0]) / steps_a_level
     found_deg = _step_found_deg(
         find_effect("phase_quantisation", form), step_deg, phase_deg, np.random.default_rng(levels)

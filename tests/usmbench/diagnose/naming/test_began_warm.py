@@ -8,7 +8,6 @@ import pytest
 from tests.usmbench.diagnose.naming.warming_motor import driven, known_cold
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.known.model_knowledge import knowledge_of
-from usmbench.diagnose.pipeline import diagnose
 from usmbench.model.hammerstein import HammersteinModel
 
 
@@ -29,11 +28,3 @@ def test_each_run_that_may_have_begun_warm_may_have_begun_otherwise(
     assert root.shape[0] == plain_root.shape[0] + 2 * n_more
     more = np.linalg.norm(shapes[0] @ root, axis=1) > np.linalg.norm(plain[0] @ plain_root, axis=1)
     assert np.mean(more) > 0.8
-
-
-def test_a_run_that_begins_warm_is_no_news_and_said_to_be_warm(model: HammersteinModel) -> None:
-    found = diagnose([driven(11, 0.6)], model)
-    assert (found.verdict, found.causes) == ("no_discrepancy", ())
-    (said,) = (w for w in found.warnings if "warm when the run began" in w)
-    assert said.startswith("run 11: ")
-    assert "if it was cold, " in said

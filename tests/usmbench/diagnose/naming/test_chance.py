@@ -5,44 +5,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from known_motor import NOISE_RAD_S, applied, driven, identified, measured, problem_of
+from known_motor import NOISE_RAD_S, applied, driven, measured, problem_of
 from tests.usmbench.diagnose.naming.swallowed_counts import (
     COUNT_RAD_S,
     dwelling,
     fast_windows,
-    names_in,
     saying,
     swallowed,
-    with_counts,
 )
 from usmbench.diagnose.naming.chance import leaves_scatter, scatters
 from usmbench.diagnose.naming.ranking import rank, telling_deviance
-from usmbench.diagnose.pipeline import diagnose
 from usmbench.model.applied import Applied
 from usmbench.model.effects.registry import find_effect
-from usmbench.model.hammerstein import HammersteinModel
 
 LOST = find_effect("missed_counts", "of all")
-
-
-@pytest.fixture(scope="module")
-def model() -> HammersteinModel:
-    return identified()
-
-
-def test_false_counts_are_named_from_windows_too_slow_to_swallow_any(
-    model: HammersteinModel,
-) -> None:
-    record, rng = swallowed(dwelling(), 0.5), np.random.default_rng(3)
-    n = record.t_s.size
-    false = rng.choice([-1.0, 1.0], n) * (rng.uniform(size=n) < 0.02)
-    assert names_in(with_counts(record, false), model) == ["missed_counts", "count_glitches"]
-
-
-def test_scatter_at_high_speed_that_is_no_loss_has_no_name(model: HammersteinModel) -> None:
-    record = measured(13)
-    shaken = 4.0 * np.random.default_rng(4).standard_normal(record.t_s.size) * fast_windows(record)
-    assert diagnose([with_counts(record, shaken)], model).verdict == "unexplained"
 
 
 @pytest.mark.parametrize("share", [0.003, 0.01, 0.03])

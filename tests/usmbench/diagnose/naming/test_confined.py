@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from known_motor import applied, driven, identified, measured, problem_of
+from known_motor import applied, driven, measured, problem_of
 from usmbench.diagnose.naming.confined import confined
-from usmbench.diagnose.pipeline import diagnose
 from usmbench.model.applied import Applied
 from usmbench.runs.record import Record
 
@@ -29,13 +28,6 @@ def test_what_came_or_went_is_told_with_its_time(begins: float, ends: float) -> 
     assert found.versus == "time"
     told = found.says.split(" is in ")[1].split(" s,")[0].split(" to ")
     assert [float(t) for t in told] == pytest.approx([first_s, last_s], abs=1.0)
-
-
-def test_a_diagnosis_tells_it_rather_than_the_views() -> None:
-    found = diagnose([_partly(0.3, 0.7)[0]], identified())
-    assert (found.verdict, found.causes) == ("unexplained", ())
-    assert found.remainder is not None
-    assert found.remainder.versus == "time"
 
 
 def test_what_one_run_shows_alone_is_told_with_its_name() -> None:

@@ -5,12 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from known_motor import applied, driven, identified
+from known_motor import applied, driven, problem_of
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.naming.ranking import Ranked
 from usmbench.diagnose.naming.roughly_beside import roughly_beside, roughly_together
-from usmbench.diagnose.pipeline import searched
-from usmbench.diagnose.residual.own_effects import cut_beside_own
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.applied import Applied
 
@@ -22,8 +20,7 @@ GRID = applied("phase_quantisation", "rounded", step_deg=4.5)
 @pytest.fixture(scope="module")
 def problem() -> Problem:
     phase_deg = np.repeat(np.random.default_rng(4).uniform(-88.0, 88.0, 150), 10)
-    stretches, _ = cut_beside_own([driven(phase_deg, 4, OFFSET, GRID)], identified())
-    return searched(stretches, identified()).drop_names().problem
+    return problem_of([driven(phase_deg, 4, OFFSET, GRID)])
 
 
 def found(problem: Problem, one: Applied) -> Ranked:

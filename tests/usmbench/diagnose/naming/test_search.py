@@ -6,8 +6,8 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
-from known_motor import NOISE_RAD_S, WINDOW_S, applied, driven, identified, measured
-from tests.usmbench.diagnose.naming.searched_runs import DELAY, judged_rows, names_of, searched_run
+from known_motor import NOISE_RAD_S, applied, driven, identified, measured
+from tests.usmbench.diagnose.naming.searched_runs import judged_rows, names_of, searched_run
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.naming import search as searching
@@ -20,16 +20,6 @@ from usmbench.model.hammerstein import HammersteinModel
 @pytest.fixture(scope="module")
 def model() -> HammersteinModel:
     return identified()
-
-
-def test_false_counts_beside_a_delay_are_exceptions(model: HammersteinModel) -> None:
-    rng = np.random.default_rng(32)
-    record = driven(np.repeat(rng.uniform(-88.0, 88.0, 500), 4), 32, DELAY)
-    false = rng.choice(record.t_s.size, 20, replace=False)
-    record.speed_rad_s[false] += 50.0 * NOISE_RAD_S
-    found = searched_run(record, model)
-    assert names_of(found) == {"transport_delay"}
-    assert not judged_rows(found, false).any()
 
 
 def test_steps_that_a_trembling_delay_leaves_off_to_either_side_are_no_exceptions(
@@ -64,21 +54,6 @@ def test_what_a_faster_run_shows_of_an_effect_is_not_the_size_of_its_cause(
     noisy = faster * shown + NOISE_RAD_S * noise.standard_normal(shown.size)
     found = search([replace(stretch, speed_rad_s=noisy)], known, (), [offset.effect])
     assert found.fit.effects[0].values["offset_deg"] == pytest.approx(2.0, rel=0.01)
-
-
-def test_a_contact_that_has_worn_is_found_beside_lost_counts(model: HammersteinModel) -> None:
-    levels_deg = np.array([-85.0, -65, -40, -20, 0, 20, 45, 70, 85])
-    phase_deg = np.repeat(np.random.default_rng(8).choice(levels_deg, 400), 5)
-    worn = applied("speed_scale", "of the contact", scale_error=0.012)
-    record = driven(phase_deg, 41, worn)
-    count_rad_s = 2.0 * np.pi / 2000.0 / WINDOW_S
-    speed_rad_s = np.abs(record.speed_rad_s)
-    too_fast_rad_s = np.maximum(speed_rad_s - 10.2, 0.0)
-    n_lost = np.random.default_rng(1).poisson(10.0 * too_fast_rad_s / count_rad_s)
-    counted = np.sign(record.speed_rad_s) * (speed_rad_s - n_lost * count_rad_s)
-    found = searched_run(replace(record, speed_rad_s=counted), model)
-    assert names_of(found) == {"missed_counts", "speed_scale"}
-    assert found.fit.effects[1].values["scale_error"] == pytest.approx(0.012, abs=0.004)
 
 
 @pytest.mark.parametrize(

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from known_motor import applied, identified, measured
+from known_motor import applied
 from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.known.model_knowledge import knowledge_of
 from usmbench.diagnose.noise.noise_estimate import estimate_noise
-from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.residual.form import off_in_form
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.model.applied import Applied
@@ -89,13 +88,3 @@ def test_what_begins_at_an_edge_of_the_dead_zone_begins_elsewhere_where_edges_wa
         return problem.square([changes(there) - changes(here)])
 
     assert doubted(0.03) < 0.2 * doubted(0.001)
-
-
-@pytest.mark.parametrize(("added_s", "named"), [(5.2e-3, []), (9e-3, ["slow_dynamics"])])
-def test_an_extended_model_may_be_off_in_form_and_sees_what_has_grown(
-    added_s: float, named: list[str]
-) -> None:
-    lag = applied("slow_dynamics", "", added_s=5e-3)
-    extended = replace(identified(), effects=(lag.to_mapping(),))
-    record = measured(5, applied("slow_dynamics", "", added_s=added_s))
-    assert [cause.name for cause in diagnose([record], extended).causes] == named

@@ -9,15 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import known_motor
-from known_motor import driven, identified
-from usmbench.diagnose.pipeline import diagnose
 from usmbench.model.effects.base import Effect
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.dead_zone_hysteresis import FORMS, OutwardEdges, Play
 from usmbench.model.effects.sticking import AtRest, Backwards, EachWay, Forwards, Sticking
 from usmbench.model.hammerstein import LinearPart, StaticCurve
-from usmbench.model.linear import free_run
 
 WINDOW_S = 0.01
 KNOTS_DEG = np.linspace(-90.0, 90.0, 91)
@@ -75,28 +71,6 @@ def test_edges_that_move_outward_bound_only_stop_where_they_did() -> None:
     found = OutwardEdges().apply(settled, context, {"width_deg": 6.0})
     at_deg = [0, -34, -10, 14, 54, 54, 20, -10, -34, -34, -10, 14, 54]
     assert found == pytest.approx(np.repeat(CURVE.speed_rad_s(np.array(at_deg, float)), 5))
-
-
-def test_a_start_that_is_later_and_a_stop_that_is_not_have_one_name() -> None:
-    draw = np.random.default_rng([1, 19])
-    width_deg = draw.uniform(2.0, 6.0)
-    stairs_deg = np.repeat(np.round(draw.uniform(-88.0, 88.0, 400), 1), 5)
-    farther, last = np.zeros(2000), 0.0
-    for k in range(1, 2000):
-        grew = abs(stairs_deg[k]) - abs(stairs_deg[k - 1])
-        last = width_deg if grew > 0.0 else 0.0 if grew < 0.0 else last
-        farther[k] = last
-    size_deg = np.abs(stairs_deg) - farther
-    healthy = driven(stairs_deg, 1)
-    curve = known_motor.CURVE.speed_rad_s
-    change = curve(np.sign(stairs_deg) * size_deg) - curve(stairs_deg)
-    speed_rad_s = healthy.speed_rad_s + free_run(known_motor.LINEAR, change, 0.0)
-    found = diagnose([replace(healthy, speed_rad_s=speed_rad_s)], identified())
-    (cause,) = found.causes
-    assert cause.name == "dead_zone_hysteresis"
-    assert found.verdict == "explained"
-    (size,) = cause.parameters
-    assert size.value == pytest.approx(width_deg, rel=0.1)
 
 
 def test_where_nothing_runs_a_few_widths_are_tried() -> None:

@@ -8,9 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from known_motor import CURVE, identified, measured
-from known_motor import LINEAR as KNOWN
-from usmbench.diagnose.pipeline import diagnose
 from usmbench.model.driving import driving
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.first_order import first_order
@@ -20,7 +17,6 @@ from usmbench.model.effects.load_torque import (
     Weight,
     WeightAlongBend,
 )
-from usmbench.model.linear import free_run
 
 Array = NDArray[np.float64]
 
@@ -72,18 +68,3 @@ def test_a_weight_that_creeps_acts_at_rest_too_but_not_without_drive(
     context = replace(CONTEXT, t_s=np.array([1.0, 2.0]), driving=driving(T_S, 1.0, ON))
     slower = CreepingWeight().apply(np.full(2, speed), context, {"one_sided_rad_s": loss})
     assert slower == pytest.approx([speed - loss, speed])
-
-
-@pytest.mark.parametrize("seed", range(2))
-def test_a_torque_that_widens_the_dead_zone_is_named(seed: int) -> None:
-    draw = np.random.default_rng([seed, 77])
-    healthy, wider_deg = measured(80 + seed), draw.uniform(1.0, 6.0)
-    size_deg = np.maximum(np.abs(healthy.phase_deg) - wider_deg, 0.0)
-    moved = CURVE.speed_rad_s(np.sign(healthy.phase_deg) * size_deg)
-    noise_rad_s = healthy.speed_rad_s - free_run(KNOWN, CURVE.speed_rad_s(healthy.phase_deg))
-    found = diagnose(
-        [replace(healthy, speed_rad_s=free_run(KNOWN, moved) + noise_rad_s)], identified()
-    )
-    (cause,) = found.causes
-    assert (cause.name, found.verdict) == ("load_torque", "explained")
-    assert cause.parameters[0].value == pytest.approx(wider_deg, rel=0.1)
