@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.tabled_curve import NODES_DEG
 from usmbench.diagnose.cutting.warmth import warmth
+from usmbench.identify.wild_rows import wild_rows
 from usmbench.model.driving import in_gaps
 from usmbench.runs.record import Record
 from usmbench.runs.time_step import breaks
@@ -56,6 +57,8 @@ def _powers(record: Record, weights: Sequence[Array], speeds: Sequence[Array]) -
     """Return what may warm the motor, in the order of `Stretch.warmth`, shape (N,) each."""
     first, last = np.searchsorted(NODES_DEG, (record.phase_deg.min(), record.phase_deg.max()))
     tops = [float(np.max(np.abs(speed[first : last + 1]))) for speed in speeds]
-    size, highest = np.abs(record.speed_rad_s), np.asarray(tops) @ np.asarray(weights)
+    # What no motor turns at has not warmed one.
+    size = np.where(wild_rows(record), 0.0, np.abs(record.speed_rad_s))
+    highest = np.asarray(tops) @ np.asarray(weights)
     on = np.ones(size.size) if record.driven is None else record.driven.astype(np.float64)
     return [on, on * size, on * highest**2]

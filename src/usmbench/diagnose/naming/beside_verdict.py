@@ -82,9 +82,9 @@ def _angles(found: Found) -> Iterator[str]:
 
 def _foreign(found: Found) -> Iterator[str]:
     """Say where so much is off, and not all explained, that the motor may not be the model's."""
-    stretches = found.problem.stretches
-    off = np.concatenate([s.residual_rad_s[s.use] for s in stretches])
-    speed = np.concatenate([s.speed_rad_s[s.use] for s in stretches])
+    judged = list(zip(found.problem.stretches, found.problem.masks, strict=True))
+    off = np.concatenate([s.residual_rad_s[mask] for s, mask in judged])
+    speed = np.concatenate([s.speed_rad_s[mask] for s, mask in judged])
     share = float(np.linalg.norm(off)) / max(float(np.linalg.norm(speed)), 1e-12)
     if share > _FOREIGN:
         yield (

@@ -11,6 +11,7 @@ from scipy.ndimage import median_filter
 from usmbench.diagnose.cutting.stretches import Mask, Stretch
 from usmbench.diagnose.noise.noise_model import LAGS, Noise
 from usmbench.diagnose.noise.rotor_states import steady
+from usmbench.identify.wild_rows import WILD_TIMES
 
 Array = NDArray[np.float64]
 
@@ -30,7 +31,7 @@ def spiked(
     near_steps: bool,
     times: float = _FAR,
 ) -> list[Mask]:
-    """Return the windows whose residual stands alone.
+    """Return the windows whose residual stands alone, and those that no motor makes.
 
     Parameters
     ----------
@@ -47,8 +48,8 @@ def spiked(
         Standard deviations from the neighbours.
     """
     return [
-        _alone(residual, times * noise.level_rad_s(s)) & (near_steps | _far_from_step(s, noise))
-        for s, residual in zip(stretches, residuals, strict=True)
+        wild | _alone(r, times * noise.level_rad_s(s)) & (near_steps | _far_from_step(s, noise))
+        for s, r, wild in zip(stretches, residuals, _wild(stretches, residuals), strict=True)
     ]
 
 
@@ -138,7 +139,14 @@ def off_steps(
     )
     if not (_come_with_steps(far, lag) or hang_together(off, far, np.lexsort((step, lag)))):
         return list(alone)
-    return [mask & ~b for mask, b in zip(alone, beside, strict=True)]
+    wild = _wild(stretches, residuals)
+    return [mask & (w | ~b) for mask, w, b in zip(alone, wild, beside, strict=True)]
+
+
+def _wild(stretches: Sequence[Stretch], residuals: Sequence[Array]) -> list[Mask]:
+    """Return the windows that are off by more than any motor of a model's size turns."""
+    highest_rad_s = max(float(np.max(np.abs(s.simulated_rad_s))) for s in stretches)
+    return [np.abs(r) > WILD_TIMES * highest_rad_s for r in residuals]
 
 
 def _come_with_steps(alone: Mask, lag: NDArray[np.int64]) -> bool:

@@ -81,3 +81,11 @@ def test_a_lost_row_is_no_pause() -> None:
     assert unsure is None
     np.testing.assert_allclose(warm[0], whole[0][:, kept], atol=1e-12)
     assert whole[0, 0, -1] == pytest.approx(-np.expm1(-N * WINDOW_S / TIME_CONSTANTS_S[0]))
+
+
+def test_a_speed_that_no_motor_makes_warms_nothing() -> None:
+    record = paused(3, 0.0)
+    wild = replace(record, speed_rad_s=record.speed_rad_s.copy())
+    wild.speed_rad_s[200] = 1e6
+    (warm, _), (warmed, _) = heated(record), heated(wild)
+    np.testing.assert_allclose(warmed, warm, rtol=0.02)

@@ -78,6 +78,17 @@ def test_a_run_that_may_be_of_another_motor_is_asked_about(
     assert any("another motor" in said for said in said_beside(found, verdict)) == warns
 
 
+def test_a_window_that_is_not_judged_makes_no_other_motor() -> None:
+    (stretch,) = (whole := judged(1.0)).stretches
+    mask, speed_rad_s = stretch.use.copy(), stretch.speed_rad_s.copy()
+    mask[50], speed_rad_s[50] = False, 1e6
+    problem = whole.with_masks([mask])
+    quiet = Whole(0.0, 1.0, problem.n_rows)
+    problem.stretches = (replace(stretch, speed_rad_s=speed_rad_s),)
+    found = Found(problem, 1.0, [], [], Fit((), 0.0, 0.0), quiet, quiet)
+    assert not any("another motor" in said for said in said_beside(found, "unexplained"))
+
+
 def test_a_ripple_is_said_to_be_at_the_counters_angle() -> None:
     problem = judged(1.0)
     off_centre = applied("encoder_eccentricity", "", cosine=0.01, sine=0.0)

@@ -63,6 +63,20 @@ def test_false_counts_are_spikes_also_beside_a_reversal(
     assert _alone(reversing, residual_rad_s) == list(windows)
 
 
+@pytest.mark.parametrize("windows", [(80,), (399,), (80, 81, 82)])
+def test_what_no_motor_makes_is_no_window_to_judge_wherever_it_stands(
+    reversing: Stretch, windows: tuple[int, ...]
+) -> None:
+    # A delay leaves 2 rad/s in the window of each step.
+    residual_rad_s = np.where(reversing.lag == 0, 2.0, 0.0)
+    residual_rad_s[list(windows)] = 100.0
+    (far,) = spiked([reversing], [residual_rad_s], NOISE, near_steps=False)
+    assert np.flatnonzero(far).tolist() == list(windows)
+    (far,) = spiked([reversing], [residual_rad_s], NOISE, near_steps=True)
+    (alone,) = off_steps([reversing], [residual_rad_s], [far])
+    assert np.flatnonzero(alone).tolist() == list(windows)
+
+
 @pytest.mark.parametrize("everywhere_rad_s", [0.0, -1.0])
 @pytest.mark.parametrize(("by_chance", "lag"), [(True, 0), (False, 0), (False, -1)])
 def test_what_every_step_leaves_is_no_exception(
