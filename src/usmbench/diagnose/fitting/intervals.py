@@ -63,7 +63,7 @@ def intervals(problem: Problem, fit: Fit, spread: float) -> list[dict[str, tuple
 
 
 def leans_on_an_end(problem: Problem, fit: Fit, rise: float) -> bool:
-    """Return whether what shapes an effect is as large as is tried, and less fits plainly worse.
+    """Return whether what shapes an effect is as far out as is tried, and less fits plainly worse.
 
     Or as short as windows show: what is shorter does not swing, and is nothing.
 
@@ -80,8 +80,9 @@ def leans_on_an_end(problem: Problem, fit: Fit, rise: float) -> bool:
     window_s = problem.stretches[0].context.window_s
     for k, p in enumerate(joint.parameters):
         way = float(joint.start[k]) - p.null
+        whole_way = (p.high if way > 0.0 else p.low) - p.null
         shortest = p.least_windows > 0.0 and _LESS * way < p.least_windows * window_s
-        if p.scanned and (shortest or way > AT_END * (p.high - p.null)):
+        if p.scanned and (shortest or abs(way) > AT_END * abs(whole_way) > 0.0):
             risen, _ = _Profile(joint, joint.start, k, rise).rise(joint.start, p.null + _LESS * way)
             if risen > rise:
                 return True

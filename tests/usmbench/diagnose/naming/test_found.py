@@ -36,6 +36,17 @@ def test_a_size_that_is_all_it_may_be_explains_nothing(applied_: Applied, *, end
     assert found.at_an_end == ends
 
 
+def _found(hidden: Applied, fitted: Applied) -> Found:
+    """Return what naming one effect comes to where another is hidden."""
+    problem = judged(1.0)
+    changed = problem.change_rad_s([hidden])
+    for residual, change in zip(problem.residual_rad_s, changed, strict=True):
+        residual += change
+    again = problem.weighed(problem.noise, problem.masks)
+    quiet = Whole(0.0, 1.0, again.n_rows)
+    return Found(again, 1.0, [], [], Fit((fitted,), 1e4, 0.0), quiet, quiet)
+
+
 @pytest.mark.parametrize(
     ("period_s", "damping", "ends"),
     [(0.04, 0.5, False), (0.04, 0.8, True), (0.02, 0.5, True)],
@@ -45,10 +56,12 @@ def test_a_ringing_at_an_end_of_what_is_seen_is_something_else(
     period_s: float, damping: float, *, ends: bool
 ) -> None:
     ringing = applied("shaft_compliance", "", period_s=period_s, damping=damping)
-    problem = judged(1.0)
-    changed = problem.change_rad_s([ringing])
-    for residual, change in zip(problem.residual_rad_s, changed, strict=True):
-        residual += change
-    again = problem.weighed(problem.noise, problem.masks)
-    quiet = Whole(0.0, 1.0, again.n_rows)
-    assert Found(again, 1.0, [], [], Fit((ringing,), 1e4, 0.0), quiet, quiet).at_an_end == ends
+    assert _found(ringing, ringing).at_an_end == ends
+
+
+@pytest.mark.parametrize("warm_up_s", [2.0, 3.0], ids=["over before it began", "a warm-up"])
+def test_a_warm_up_that_is_over_at_once_is_another_gain(warm_up_s: float) -> None:
+    fitted = applied("thermal_drift", "speed", final_drift=0.05, warm_up_s=warm_up_s)
+    over = warm_up_s == 2.0  # the soonest that is tried
+    hidden = applied("speed_scale", "", scale_error=0.05) if over else fitted
+    assert _found(hidden, fitted).at_an_end == over
