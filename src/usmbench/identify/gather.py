@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from usmbench.errors import InputError
 from usmbench.identify.data import Dataset, FittedRun, Point, Segment, describe
 from usmbench.identify.like_phases import merged_deg
+from usmbench.identify.one_way import check_one_way
 from usmbench.identify.wild_rows import WILD_TIMES, wild_rows
 from usmbench.runs.check_record import changed_since_closed, check_numbers, check_together
 from usmbench.runs.columns import DRIVE_COLUMN
@@ -39,8 +40,8 @@ def from_windows(records: Sequence[Record]) -> Dataset:
     Raises
     ------
     InputError
-        A value that is no number, runs of different motors, encoders or windows, too few
-        windows that were driven, or too few phases.
+        A value that is no number, runs of different motors, encoders or windows, or of which
+        one turns the other way, too few windows that were driven, or too few phases.
     """
     window_s = records[0].usual_window_s
     found: list[tuple[Point, Segment]] = []
@@ -69,6 +70,7 @@ def from_windows(records: Sequence[Record]) -> Dataset:
         runs.append(_fitted(record, sum(segment.n for _, segment in pieces)))
         found += pieces
         warnings += _points_without_data(record, [point for point, _ in pieces])
+    check_one_way(records)
     warnings += _all_taken_as_driven(records)
     return _dataset(found, window_s, runs, warnings)
 
@@ -84,7 +86,8 @@ def from_pairs(records: Sequence[Record]) -> Dataset:
     Raises
     ------
     InputError
-        A value that is no number, no settled pair, or too few phases.
+        A value that is no number, a run that turns the other way than others, no settled pair, or
+        too few phases.
     """
     found: list[tuple[Point, Segment]] = []
     runs: list[FittedRun] = []
@@ -100,6 +103,7 @@ def from_pairs(records: Sequence[Record]) -> Dataset:
             found.append((key, segment))
         runs.append(_fitted(record, len(keys)))
         warnings += _points_without_data(record, keys)
+    check_one_way(records)
     return _dataset(found, None, runs, warnings)
 
 

@@ -100,10 +100,3 @@ def test_a_run_that_is_no_other_day_is_said(measure: Measure) -> None:
     found = identify_fast([fast, slow, plain], FastOptions(degree=12))
     (warning,) = (w for w in found.warnings if "slower" in w)
     assert warning.startswith(f"{slow.name}: 14 % slower than the runs on average")
-
-
-def test_a_run_that_turns_the_other_way_is_not_divided_by_nothing(measure: Measure) -> None:
-    runs = [measure(800, seed=1), measure(800, seed=2, gain=-1.0), measure(800, seed=3)]
-    found = identify_fast(runs, FastOptions(degree=12))
-    assert np.max(np.abs(found.model.points[0].curve.delta)) < 20.0
-    assert any("slower" in warning for warning in found.warnings)
