@@ -27,7 +27,7 @@ from usmbench.diagnose.naming.run_to_run import sizes_by_run
 from usmbench.diagnose.naming.sporadic import left_unnamed
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.views import residual_views
-from usmbench.diagnose.result import Diagnosis, Remainder, Trace, View
+from usmbench.diagnose.result import Diagnosis, Remainder, Trace, Verdict, View
 from usmbench.model.applied import Applied
 from usmbench.model.effects.base import Effect
 from usmbench.model.hammerstein import HammersteinModel
@@ -84,7 +84,7 @@ def described(
         traces=tuple(_traces(problem, fit)),
         extended=replace(model, effects=(*model.effects, *effects)),
         n_windows=problem.n_rows,
-        warnings=(*warnings, *_warnings(held)),
+        warnings=(*warnings, *_one_run(model, held.verdict), *_warnings(held)),
         left_over=held.left_over,
     )
 
@@ -109,6 +109,16 @@ def _shown(views: Sequence[View]) -> bool:
 def _scatters(found: Found) -> bool:
     """Whether windows scatter plainly more than in the model's runs, by no chance that is named."""
     return found.spread > LOUD and not chancy_of(found.fit.effects)
+
+
+def _one_run(model: HammersteinModel, verdict: Verdict) -> Iterator[str]:
+    """Say that one run shows no repeatability, where something is off."""
+    if len(model.fitted_on) == 1 and verdict != "no_discrepancy":
+        yield (
+            f"{model.name} was identified on one run, which cannot show by how much the motor "
+            "differs from one run to the next: what is off may be no more than that; identify it "
+            "on two runs or more"
+        )
 
 
 def _warnings(held: Held) -> Iterator[str]:

@@ -42,5 +42,5 @@ def test_neither_a_wild_row_nor_what_was_not_driven_says_which_way(measure: Meas
         check_one_way([run, other])
     coasting = np.arange(800) < 700
     speed_rad_s = np.where(coasting, -run.speed_rad_s, run.speed_rad_s)
-    driven = replace(run, speed_rad_s=speed_rad_s, extra={"drive_on": 1.0 - coasting})
+    driven = replace(run, speed_rad_s=speed_rad_s, extra={"drive_on": np.where(coasting, 0.0, 1.0)})
     check_one_way([run, driven])

@@ -25,7 +25,16 @@ _THRESHOLD = Parameter(
     what="speed above which counts are lost",
 )
 _SEED = 19_360_404
+_ALIKE = 9  # decimals of a speed in rad/s: levels of a staircase differ by rounding
+_AS_LIKELY = 1.92  # of the log-likelihood: 95 % of χ² with one degree of freedom, halved
+_SLOWER = 101  # speeds, struck or not, at which losses may begin
 _STRAY = 0.02  # of the windows that stand alone: too fast, or below the speed
+
+
+_MEND_EXCESS = (
+    f"{_MEND} Where all of the excess is lost, ask what may hold the speed itself there, or its "
+    "range: a controller, a logger."
+)
 
 
 class LostExcess(Effect):
@@ -34,7 +43,7 @@ class LostExcess(Effect):
     name = "missed_counts"
     form = "of the excess"
     meaning = _MEANING
-    mend = _MEND
+    mend = _MEND_EXCESS
     stage = "counter"
     by_chance = True
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -78,6 +87,7 @@ class LostShare(LostExcess):
     """ω′ = (1 − s) ω above ω₀: every so many counts is missed once edges come too fast."""
 
     form = "of all"
+    mend = _MEND
     parameters = (
         Parameter(
             "share_lost", "1", 0.0, 0.0, 1.0, 0.05, what="share of all counts, above that speed"
@@ -104,6 +114,7 @@ class LostMoreAndMore(LostExcess):
     """
 
     form = "more and more"
+    mend = _MEND
     parameters = (
         Parameter("share_lost", "1", 0.0, 0.0, 1.0, 0.05, what="share of counts lost in the end"),
         _THRESHOLD,
@@ -188,24 +199,31 @@ class LostNowAndThen(SporadicEffect):
         windows
             The windows, of which some stand alone.
         """
-        fast, alone = np.abs(windows.speed_rad_s), windows.alone
+        fast, alone = np.round(np.abs(windows.speed_rad_s), _ALIKE), windows.alone
+        if not alone.any():
+            return Weighed(-np.inf, {})
         slow = windows.deviation_rad_s * np.sign(windows.speed_rad_s) < 0.0
-        found = Weighed(-np.inf, {})
-        for threshold in np.unique(fast[alone]):
+        slower = np.quantile(fast, np.linspace(0.0, 1.0, _SLOWER), method="nearest")
+        tried = []
+        for threshold in np.unique(np.r_[fast[alone], slower]):
             above = fast >= threshold
             odds = np.mean(alone[above]) * np.where(above, 1.0, _STRAY)
             way = np.where(above, np.where(slow, 1.0 - _STRAY, _STRAY), 0.5)
-            likely = float(np.sum(np.log(odds * way)[alone]) + np.sum(np.log1p(-odds[~alone])))
-            likely -= math.log(fast.size)  # where it begins was chosen to fit
-            if likely > found.log_likelihood:
+            if odds[above].any():
+                likely = float(np.sum(np.log(odds * way)[alone]) + np.sum(np.log1p(-odds[~alone])))
                 below = float(np.max(fast[~above], initial=0.0))
-                values = {
-                    "rate_hz": windows.rate_hz(above),
-                    "lost_rad_s": windows.size_rad_s(above),
-                    "above_rad_s": (below, 0.5 * (below + float(threshold)), float(threshold)),
-                }
-                found = Weighed(likely, values)
-        return found
+                tried.append((likely, below, float(threshold)))
+        likely, below, threshold = max(tried)
+        as_well = [one for one in tried if one[0] > likely - _AS_LIKELY]
+        low, high = min(low for _, low, _ in as_well), max(high for *_, high in as_well)
+        above = fast >= threshold
+        values = {
+            "rate_hz": windows.rate_hz(above),
+            "lost_rad_s": windows.size_rad_s(above),
+            "above_rad_s": (low, 0.5 * (below + threshold), high),
+        }
+        # Where it begins was chosen to fit.
+        return Weighed(likely - math.log(fast.size), values)
 
 
 def _thresholds_rad_s(contexts: Sequence[Context]) -> Array:
