@@ -61,7 +61,7 @@ def test_lost_counts_are_slow_and_fast_windows_alone(
         assert value > np.min(fast) - 0.1
         # More are left out only where the rest are likelier without them.
         begins = float(np.min(fast[fast > value]))
-        assert begins <= high
+        assert begins <= high + 1e-9  # speeds are told apart to that
         assert np.mean(fast < value) <= 0.05 or _stray(windows, float(np.min(fast)), begins)
         assert losses.values["lost_rad_s"][1] == pytest.approx(0.6, abs=0.02)
 
