@@ -1,4 +1,4 @@
-"""The small version: intervals hold the truth, of shapes that trade with a size, too."""
+"""Intervals hold the truth, of shapes that trade with a size, too."""
 
 from benchmarks.interval_coverage import Motor, held
 from usmbench.model.applied import Applied

@@ -1,4 +1,4 @@
-"""Motors that are warm when a run begins: how they are drawn, and what is made of them."""
+"""Motors that are warm when a run begins: what is made of them."""
 
 from benchmarks.warm_days import draw
 

@@ -8,7 +8,7 @@ from usmbench.errors import InputError
 from usmbench.identify.wild_rows import wild_rows
 from usmbench.runs.record import Record
 
-_PLAIN = 0.5  # correlation of speed and sin φ, which a motor that turns both ways is far beyond
+_PLAIN = 0.5  # cosine between speed and sin φ, over the rows; nothing measured sets it
 
 
 def check_one_way(records: Sequence[Record]) -> None:
@@ -22,15 +22,16 @@ def check_one_way(records: Sequence[Record]) -> None:
     Raises
     ------
     usmbench.errors.InputError
-        The message names the fewer.
+        There are such; the message names both sides, the fewer first.
     """
     ways = [_way(record) for record in records]
     names = {way: [r.name for r, w in zip(records, ways, strict=True) if w == way] for way in ways}
     one, other = sorted((names.get(1, []), names.get(-1, [])), key=len)
     if one:
         raise InputError(
-            f"{' and '.join(one)}: turns the other way at like phases than {' and '.join(other)}; "
-            "turn the sign of its speeds or phases round, or leave it out"
+            f"{' and '.join(one)}: of the other direction at like phases than "
+            f"{' and '.join(other)}; change the sign of the speeds or phases of the wrong ones, or "
+            "leave them out"
         )
 
 

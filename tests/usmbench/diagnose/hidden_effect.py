@@ -16,6 +16,7 @@ def assert_named(model: HammersteinModel, hidden: Applied, parameter: str | None
     assert found.verdict == "explained"
     assert found.gain > 0.9
     assert len(found.extended.effects) == 1
+    assert not any("identified on one run" in warning for warning in found.warnings)
     if parameter is not None:
         sizes = {p.name: p for p in cause.parameters}
         assert sizes[parameter].value == pytest.approx(hidden.values[parameter], rel=0.1)

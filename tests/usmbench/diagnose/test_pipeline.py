@@ -57,6 +57,13 @@ def test_names_what_was_hidden(
     assert_named(model, hidden, parameter)
 
 
+def test_what_one_run_cannot_show_is_said(model: HammersteinModel) -> None:
+    of_one = replace(model, fitted_on=model.fitted_on[:1])
+    found = diagnose([measured(7, applied("speed_scale", "", scale_error=0.03))], of_one)
+    assert found.verdict == "explained"
+    assert any("identified on one run" in warning for warning in found.warnings)
+
+
 def test_phases_that_no_reference_drove_are_told() -> None:
     levels_deg = np.array([-80.0, -30.0, 20.0, 70.0])
     rng = np.random.default_rng(4)

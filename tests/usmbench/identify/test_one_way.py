@@ -19,7 +19,9 @@ Measure = Callable[..., Record]
 def test_the_run_that_turns_the_other_way_is_named(measure: Measure, turned: str) -> None:
     runs = [measure(800, seed=seed) for seed in (1, 2, 3)]
     runs[1] = replace(runs[1], **{turned: -getattr(runs[1], turned)})
-    with pytest.raises(InputError, match=r"^run 2: turns the other way .* than run 1 and run 3; "):
+    with pytest.raises(
+        InputError, match=r"^run 2: of the other direction .* than run 1 and run 3; "
+    ):
         identify_fast(runs, FastOptions())
     with pytest.raises(InputError, match=r"^run 2: "):
         from_pairs(runs)
@@ -38,7 +40,7 @@ def test_a_run_of_one_direction_belongs_to_one_of_both(measure: Measure, side: f
 def test_neither_a_wild_row_nor_what_was_not_driven_says_which_way(measure: Measure) -> None:
     run, other = measure(800, seed=1), measure(800, seed=2, gain=-1.0)
     other.speed_rad_s[10] = 1e6
-    with pytest.raises(InputError, match=r"^run 1: turns the other way"):
+    with pytest.raises(InputError, match=r"^run 1: of the other direction"):
         check_one_way([run, other])
     coasting = np.arange(800) < 700
     speed_rad_s = np.where(coasting, -run.speed_rad_s, run.speed_rad_s)

@@ -11,7 +11,6 @@ from usmbench.runs.record import Record
 
 Array = NDArray[np.float64]
 
-
 STAIRS_DEG = np.repeat(np.r_[np.arange(-84.0, 85.0, 6.0), np.arange(84.0, -85.0, -6.0)], 8)
 
 

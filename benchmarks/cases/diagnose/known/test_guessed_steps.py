@@ -13,8 +13,6 @@ from usmbench.identify.fast import FastOptions, identify_fast
 from usmbench.runs.record import Record
 
 STAIRS_DEG = np.tile(np.repeat(np.r_[np.arange(-78.0, 79, 6), np.arange(78.0, -79, -6)], 8), 3)
-
-
 NOISE_RAD_S = 0.008
 
 

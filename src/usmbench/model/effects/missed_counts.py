@@ -7,13 +7,16 @@ from typing import ClassVar
 
 import numpy as np
 
-from usmbench.model.effects.base import Array, Effect, Values
+from usmbench.model.effects.base import Array, Effect, Mask, Values
 from usmbench.model.effects.context import Context, highest_settled_rad_s
 from usmbench.model.effects.lone_windows import LoneWindows, SporadicEffect, Weighed
 from usmbench.model.effects.parameter import Parameter
 
 _MEANING = "The counter loses counts above some speed."
-_MEND = "Check the counter's filter and input rate, the encoder's supply, and its cable."
+_MEND = (
+    "Check the counter's filter and input rate, the encoder's supply, and its cable; where all "
+    "above some speed is lost, also what may hold the speed or its range: a controller, a logger."
+)
 _THRESHOLD = Parameter(
     "above_rad_s",
     "rad/s",
@@ -27,14 +30,8 @@ _THRESHOLD = Parameter(
 _SEED = 19_360_404
 _ALIKE = 9  # decimals of a speed in rad/s: levels of a staircase differ by rounding
 _AS_LIKELY = 1.92  # of the log-likelihood: 95 % of χ² with one degree of freedom, halved
-_SLOWER = 101  # speeds, struck or not, at which losses may begin
+_OTHERS = 101  # speeds, struck or not, at which losses may begin, from the least to the highest
 _STRAY = 0.02  # of the windows that stand alone: too fast, or below the speed
-
-
-_MEND_EXCESS = (
-    f"{_MEND} Where all of the excess is lost, ask what may hold the speed itself there, or its "
-    "range: a controller, a logger."
-)
 
 
 class LostExcess(Effect):
@@ -43,7 +40,7 @@ class LostExcess(Effect):
     name = "missed_counts"
     form = "of the excess"
     meaning = _MEANING
-    mend = _MEND_EXCESS
+    mend = _MEND
     stage = "counter"
     by_chance = True
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -87,7 +84,6 @@ class LostShare(LostExcess):
     """ω′ = (1 − s) ω above ω₀: every so many counts is missed once edges come too fast."""
 
     form = "of all"
-    mend = _MEND
     parameters = (
         Parameter(
             "share_lost", "1", 0.0, 0.0, 1.0, 0.05, what="share of all counts, above that speed"
@@ -114,7 +110,6 @@ class LostMoreAndMore(LostExcess):
     """
 
     form = "more and more"
-    mend = _MEND
     parameters = (
         Parameter("share_lost", "1", 0.0, 0.0, 1.0, 0.05, what="share of counts lost in the end"),
         _THRESHOLD,
@@ -194,6 +189,9 @@ class LostNowAndThen(SporadicEffect):
     def weigh(self, windows: LoneWindows) -> Weighed:
         """Return how well lost counts fit: only above some speed, and always too slow.
 
+        That speed has the interval in which its likelihood is near the largest (Wilks 1938,
+        doi:10.1214/aoms/1177732360).
+
         Parameters
         ----------
         windows
@@ -202,28 +200,33 @@ class LostNowAndThen(SporadicEffect):
         fast, alone = np.round(np.abs(windows.speed_rad_s), _ALIKE), windows.alone
         if not alone.any():
             return Weighed(-np.inf, {})
-        slow = windows.deviation_rad_s * np.sign(windows.speed_rad_s) < 0.0
-        slower = np.quantile(fast, np.linspace(0.0, 1.0, _SLOWER), method="nearest")
-        tried = []
-        for threshold in np.unique(np.r_[fast[alone], slower]):
-            above = fast >= threshold
-            odds = np.mean(alone[above]) * np.where(above, 1.0, _STRAY)
-            way = np.where(above, np.where(slow, 1.0 - _STRAY, _STRAY), 0.5)
-            if odds[above].any():
-                likely = float(np.sum(np.log(odds * way)[alone]) + np.sum(np.log1p(-odds[~alone])))
-                below = float(np.max(fast[~above], initial=0.0))
-                tried.append((likely, below, float(threshold)))
-        likely, below, threshold = max(tried)
-        as_well = [one for one in tried if one[0] > likely - _AS_LIKELY]
-        low, high = min(low for _, low, _ in as_well), max(high for *_, high in as_well)
-        above = fast >= threshold
+        # They begin at one that is struck, or as well at some that are slower.
+        others = np.quantile(fast, np.linspace(0.0, 1.0, _OTHERS), method="nearest")
+        slower = others[others < np.max(fast[alone])]
+        begins = np.unique(np.r_[fast[alone], slower]).tolist()
+        likely = np.array([_log_likelihood(windows, fast >= speed) for speed in begins])
+        best = int(np.argmax(likely))
+        as_well = np.flatnonzero(likely > likely[best] - _AS_LIKELY)
+        low, below = (
+            float(np.max(fast[fast < begins[k]], initial=0.0)) for k in (as_well[0], best)
+        )
+        above = fast >= begins[best]
         values = {
             "rate_hz": windows.rate_hz(above),
             "lost_rad_s": windows.size_rad_s(above),
-            "above_rad_s": (low, 0.5 * (below + threshold), high),
+            "above_rad_s": (low, 0.5 * (below + begins[best]), begins[as_well[-1]]),
         }
-        # Where it begins was chosen to fit.
-        return Weighed(likely - math.log(fast.size), values)
+        # Where they begin was chosen to fit.
+        return Weighed(float(likely[best]) - math.log(fast.size), values)
+
+
+def _log_likelihood(windows: LoneWindows, above: Mask) -> float:
+    """Log-likelihood of the windows that stand alone, if these above some speed lose counts."""
+    alone = windows.alone
+    slow = windows.deviation_rad_s * np.sign(windows.speed_rad_s) < 0.0
+    odds = np.mean(alone[above]) * np.where(above, 1.0, _STRAY)
+    way = np.where(above, np.where(slow, 1.0 - _STRAY, _STRAY), 0.5)
+    return float(np.sum(np.log(odds * way)[alone]) + np.sum(np.log1p(-odds[~alone])))
 
 
 def _thresholds_rad_s(contexts: Sequence[Context]) -> Array:
