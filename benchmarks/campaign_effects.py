@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 _DAYS: Final = (700, 701, 702)  # on which an effect is measured
 _WIDER: Final = 0.05  # enough that it moves more than single counts
 _LARGE: Final = 10.0  # times the noise: so large it is measured
-_BY_CHANCE: Final = {"slow_input_filter", "spikes"}
+_BY_CHANCE: Final = {"scratched_disc", "slow_input_filter", "spikes"}
 # In steps, at starts only, all at once, or as a resonance moves.
 _NOT_IN_PROPORTION: Final = _BY_CHANCE | {
     "dead_direction",

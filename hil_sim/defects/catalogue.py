@@ -8,6 +8,7 @@ from hil_sim.defects.bent_wheel import BentWheel
 from hil_sim.defects.count_glitches import Spikes
 from hil_sim.defects.coupling_backlash import LooseCoupling
 from hil_sim.defects.crystal_error import OffCrystal
+from hil_sim.defects.damaged_disc import ScratchedDisc
 from hil_sim.defects.dead_zone_hysteresis import StickyFriction
 from hil_sim.defects.defect import Defect
 from hil_sim.defects.drive_droop import SoftSupply
@@ -60,6 +61,7 @@ CATALOGUE: Final[dict[str, type[Defect]]] = {
         DryBearing,
         SoftCoupling,
         LooseCoupling,
+        ScratchedDisc,
         SeamedBelt,
         HummingSupply,
         ModeHop,

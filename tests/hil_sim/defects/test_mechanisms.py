@@ -176,6 +176,19 @@ def test_the_filter_loses_counts_at_high_speed_only() -> None:
     assert speed_rad_s(defect, phase_deg=30.0) == speed_rad_s(phase_deg=30.0)
 
 
+@pytest.mark.parametrize("phase_deg", [90.0, -90.0])
+def test_a_scratch_takes_its_lines_once_a_turn_either_way(phase_deg: float) -> None:
+    whole, scratched = (
+        started(*defects, phase_deg=phase_deg).sample(int(3 * RATE_HZ), RATE_HZ).position
+        for defects in ((), ("scratched_disc=2",))
+    )
+    lost = np.diff(whole - scratched)
+    assert set(np.unique(np.sign(phase_deg) * lost)) == {0, 1}
+    turns = (whole[-1] - whole[0]) / 2000.0
+    assert np.sum(lost) == pytest.approx(8.0 * turns, abs=8.0)
+    assert np.ptp(whole[1:][lost != 0] % 2000) < 8
+
+
 def test_spikes_stay_in_the_count() -> None:
     plant = started("spikes=200", phase_deg=0.0)
     counts = plant.sample(int(2 * RATE_HZ), RATE_HZ).position

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import ks_2samp, poisson
 
-from usmbench.diagnose.cutting.stretches import came_from
+from usmbench.diagnose.cutting.stretches import Stretch, came_from
 from usmbench.diagnose.evidence import Estimate, NamedCause
 from usmbench.diagnose.naming.apart_windows import away_rad_s, beyond, scatter_rad_s
 from usmbench.diagnose.naming.ranking import NO_CHANCE, SIGNIFICANT, TELLING
@@ -17,6 +17,7 @@ from usmbench.diagnose.noise.spikes import apart, are_exceptions
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.whole import PLAIN_P_VALUE
 from usmbench.model.applied import Applied
+from usmbench.model.effects.context import middle_rad
 from usmbench.model.effects.lone_windows import LoneWindows, SporadicEffect, Weighed
 from usmbench.model.effects.registry import library
 
@@ -66,13 +67,7 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
     left = problem.left_rad_s(effects)
     alone = StandingAlone.of(problem, effects, spread)
     rows = np.concatenate(alone.calm)
-    # A counter's steps leave every window of a hold off by the same part of a count.
-    windows = LoneWindows(
-        np.concatenate([s.simulated_rad_s for s in problem.stretches])[rows],
-        np.concatenate([np.mean(apart(r), axis=0) for r in left])[rows],
-        np.concatenate(alone.plain)[rows],
-        problem.stretches[0].context.window_s,
-    )
+    windows = _windows(problem, left, alone).of(rows)
     before = [came_from(s.settled_rad_s, s.step_rad_s, s.lag) for s in problem.stretches]
     places = np.unique(np.concatenate(before)[rows][windows.alone])
     p_value = _p_value(windows, problem.known.spikes_hz)
@@ -104,6 +99,31 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
     )
     applied = Applied(effect, {e.name: e.value for e in estimates})
     return Sporadic(applied, named, _deviance(problem, left, alone))
+
+
+def _windows(problem: Problem, left: Sequence[Array], alone: StandingAlone) -> LoneWindows:
+    """Return all windows, stretch after stretch."""
+    stretches = problem.stretches
+    turns_rad = [0.5 * np.abs(s.speed_rad_s) * s.context.window_s for s in stretches]
+    middles_rad = np.concatenate([_angle_rad(s) for s in stretches])
+    return LoneWindows(
+        np.concatenate([s.simulated_rad_s for s in stretches]),
+        # A counter's steps leave every window of a hold off by the same part of a count.
+        np.concatenate([np.mean(apart(r), axis=0) for r in left]),
+        np.concatenate(alone.plain),
+        middles_rad - np.concatenate(turns_rad),
+        middles_rad + np.concatenate(turns_rad),
+        np.concatenate([np.full(s.context.n, s.run) for s in stretches]),
+        stretches[0].context.window_s,
+    )
+
+
+def _angle_rad(stretch: Stretch) -> Array:
+    """Return the shaft's angle in the middle of each window, by the counter, shape (N,)."""
+    context = stretch.context
+    if context.angle_rad is None:
+        return middle_rad(stretch.speed_rad_s, context.window_s)
+    return context.angle_rad
 
 
 def _strikes_slow_ones(windows: LoneWindows) -> bool:

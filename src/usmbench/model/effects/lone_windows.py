@@ -1,7 +1,7 @@
 """Causes that strike single windows by chance, and the windows that tell them apart."""
 
 from abc import abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from typing import ClassVar
 
 import numpy as np
@@ -26,6 +26,10 @@ class LoneWindows:
         By how much more than in the windows beside it the measured speed is off the simulated one.
     alone
         Whether the window is far from its neighbours.
+    from_rad, to_rad
+        Lower and higher end of the angles through which the shaft turns, by the counter.
+    run
+        Index of the window's run.
     window_s
         Duration of a window.
     """
@@ -33,7 +37,37 @@ class LoneWindows:
     speed_rad_s: Array
     deviation_rad_s: Array
     alone: NDArray[np.bool_]
+    from_rad: Array
+    to_rad: Array
+    run: NDArray[np.int64]
     window_s: float
+
+    @classmethod
+    def of_one_run(
+        cls, speed_rad_s: Array, deviation_rad_s: Array, alone: NDArray[np.bool_], window_s: float
+    ) -> "LoneWindows":
+        """Return windows that follow each other, whose angles are their speeds added up.
+
+        Parameters
+        ----------
+        speed_rad_s, deviation_rad_s, alone, window_s
+            As in `LoneWindows`.
+        """
+        ends_rad = np.cumsum(np.concatenate([[0.0], speed_rad_s])) * window_s
+        from_rad, to_rad = np.sort(np.stack([ends_rad[:-1], ends_rad[1:]]), axis=0)
+        run = np.zeros(speed_rad_s.size, dtype=np.int64)
+        return cls(speed_rad_s, deviation_rad_s, alone, from_rad, to_rad, run, window_s)
+
+    def of(self, rows: NDArray[np.bool_]) -> "LoneWindows":
+        """Return some of the windows.
+
+        Parameters
+        ----------
+        rows
+            Which, shape (N,).
+        """
+        columns = {f.name: getattr(self, f.name)[rows] for f in fields(self)[:-1]}
+        return replace(self, **columns)
 
     def rate_hz(self, among: NDArray[np.bool_]) -> Interval:
         """Return how often a window stands alone: low end, value, high end of 95 %.
@@ -86,7 +120,7 @@ class Weighed:
 
 
 class SporadicEffect(Effect):
-    """A cause that strikes windows by chance: no simulation foresees which.
+    """A cause that strikes single windows, of which no simulation foresees which.
 
     One of its parameters is `rate_hz`, how often.
     """

@@ -117,4 +117,5 @@ def _lone() -> LoneWindows:
     """Return windows of which every fiftieth stands alone."""
     speed_rad_s = np.linspace(-10.0, 10.0, 1000)
     alone = np.arange(1000) % 50 == 0
-    return LoneWindows(speed_rad_s, np.where(alone, -1.0, 0.0), alone, _WINDOW_S)
+    off_rad_s = np.where(alone, -1.0, 0.0)
+    return LoneWindows.of_one_run(speed_rad_s, off_rad_s, alone, _WINDOW_S)

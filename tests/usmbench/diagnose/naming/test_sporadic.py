@@ -104,6 +104,25 @@ def test_a_false_count_does_not_wait_for_a_step(after: int, found: bool) -> None
     assert (find_sporadic(problem, (), 1.0) is not None) == found
 
 
+@pytest.mark.parametrize("one_place", [True, False])
+def test_windows_that_stand_alone_at_one_angle_are_a_damaged_disc(one_place: bool) -> None:
+    draw = np.random.default_rng(11)
+    record = driven(np.repeat(draw.uniform(20.0, 88.0, 200), 20), 4)
+    turned_rad = np.cumsum(record.speed_rad_s) * WINDOW_S
+    passed = np.diff(np.floor((turned_rad - 2.0) / (2.0 * np.pi)), prepend=-1.0) > 0.0
+    struck = passed if one_place else draw.permutation(passed)
+    speed_rad_s = record.speed_rad_s - np.where(struck, 40.0 * NOISE_RAD_S, 0.0)
+    sporadic = find_sporadic(problem_of([replace(record, speed_rad_s=speed_rad_s)]), (), 1.0)
+    assert sporadic is not None
+    assert (sporadic.named.name == "damaged_disc") == one_place
+    assert "damaged_disc" not in sporadic.named.alternatives
+    if one_place:
+        assert sporadic.named.alternatives == ()
+        values = sporadic.applied.values
+        assert values["missing_rad"] == pytest.approx(0.4 * NOISE_RAD_S, rel=0.1)
+        assert values["angle_rad"] == pytest.approx(2.0, abs=0.06)
+
+
 def test_a_false_count_is_as_large_as_it_is_beside_its_neighbours() -> None:
     draw = np.random.default_rng(6)
     phase_deg = np.repeat(draw.uniform(30.0, 88.0, 100), 20)

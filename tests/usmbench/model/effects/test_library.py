@@ -38,6 +38,7 @@ BENCH = [
     "phase_scale",
     "coupling_backlash",
     "swapped_channels",
+    "damaged_disc",
 ]
 
 

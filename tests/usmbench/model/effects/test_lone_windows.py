@@ -22,7 +22,7 @@ def _windows(seed: int, count: int, above_rad_s: float, *, too_slow: bool) -> Lo
     alone[hit] = True
     way = -np.sign(speed) if too_slow else rng.choice([-1.0, 1.0], N)
     deviation = 0.01 * rng.standard_normal(N) + 0.6 * way * alone
-    return LoneWindows(speed, deviation, alone, WINDOW_S)
+    return LoneWindows.of_one_run(speed, deviation, alone, WINDOW_S)
 
 
 def _stray(windows: LoneWindows, lowest_rad_s: float, next_rad_s: float) -> bool:
@@ -80,7 +80,7 @@ def test_the_interval_of_a_size_holds_the_median_of_any_distribution(count: int)
     draw, every = np.random.default_rng(count), np.ones(count, dtype=np.bool_)
     held = []
     for sizes in draw.exponential(1.0, (2000, count)):
-        windows = LoneWindows(np.ones(count), sizes, every, WINDOW_S)
+        windows = LoneWindows.of_one_run(np.ones(count), sizes, every, WINDOW_S)
         low, _, high = windows.size_rad_s(every)
         held.append(low <= np.log(2.0) <= high)
     # At least 95 %, and few sizes leave no choice but more.
@@ -88,7 +88,7 @@ def test_the_interval_of_a_size_holds_the_median_of_any_distribution(count: int)
 
 
 def test_nothing_that_stands_alone_speaks_for_no_lost_counts() -> None:
-    windows = LoneWindows(np.ones(5), np.zeros(5), np.zeros(5, dtype=np.bool_), WINDOW_S)
+    windows = LoneWindows.of_one_run(np.ones(5), np.zeros(5), np.zeros(5, dtype=np.bool_), WINDOW_S)
     assert LostNowAndThen().weigh(windows).log_likelihood == -np.inf
     assert windows.size_rad_s(np.ones(5, dtype=np.bool_)) == (0.0, 0.0, 0.0)
     assert windows.rate_hz(np.ones(5, dtype=np.bool_))[0] == 0.0

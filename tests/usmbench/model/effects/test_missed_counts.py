@@ -29,7 +29,7 @@ def test_the_speed_from_which_single_windows_lose_counts_has_an_interval(
         speed_rad_s = np.repeat(np.arange(0.5, 10.0, 0.5), 300) + 1e-14 * draw.uniform(size=5700)
         alone = (speed_rad_s > above_rad_s) & (draw.uniform(size=5700) < 0.003)
         deviation_rad_s = np.where(alone, -1.0, 0.0)
-        found = effect.weigh(LoneWindows(speed_rad_s, deviation_rad_s, alone, 0.01))
+        found = effect.weigh(LoneWindows.of_one_run(speed_rad_s, deviation_rad_s, alone, 0.01))
         low, value, high = found.values["above_rad_s"]
         assert low <= value <= high
         assert high - low >= 0.49
