@@ -22,8 +22,12 @@ def check_windows(name: str, window_s: float, linear: LinearPart) -> None:
     usmbench.errors.InputError
         The model was identified on windows of another duration.
     """
-    if linear.window_s is not None and not alike(window_s, linear.window_s):
-        raise InputError(
-            f"{name} has windows of {1e3 * window_s:g} ms, the model was identified on "
-            f"{1e3 * linear.window_s:g} ms; identify it on a run with the same windows"
-        )
+    if linear.window_s is None or alike(window_s, linear.window_s):
+        return
+    todo = "identify it on a run with the same windows"
+    if alike(window_s, 1e3 * linear.window_s):
+        todo = "if t_s is in milliseconds, divide it by 1000"
+    raise InputError(
+        f"{name} has windows of {1e3 * window_s:g} ms, the model was identified on "
+        f"{1e3 * linear.window_s:g} ms; {todo}"
+    )

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from usmbench.runs.record import Record
+from usmbench.runs.time_step import alike
 
 _RADIAN_DEG = 3.2  # a sweep that stays within is hardly one: π and a little
 _LONGEST_WINDOW_S = 1.0  # a hundred times the usual one
@@ -32,10 +33,11 @@ def _doubts(record: Record) -> list[str]:
         doubts.append(
             f"phase_deg stays within {farthest_deg:.3g}°; if these are radians, multiply by 57.3"
         )
-    if window_s > _LONGEST_WINDOW_S:
+    apart_s = float(np.median(np.diff(record.t_s))) if record.t_s.size > 1 else window_s
+    if window_s > _LONGEST_WINDOW_S or alike(apart_s, 1e3 * window_s):
         doubts.append(
-            f"t_s says that a window lasts {window_s:.3g} s; if these are milliseconds, divide by "
-            "1000"
+            f"t_s says that a window ends every {apart_s:.3g} s; if these are milliseconds, divide "
+            "by 1000"
         )
     if top_rad_s > _FASTEST_RAD_S:
         doubts.append(

@@ -21,5 +21,10 @@ def test_other_windows_are_refused_with_both_numbers() -> None:
         check_windows("run", 0.02, LAG)
 
 
+def test_milliseconds_are_asked_about() -> None:
+    with pytest.raises(InputError, match="milliseconds, divide it by 1000"):
+        check_windows("run", 10.0, LAG)
+
+
 def test_a_model_of_settled_pairs_takes_any() -> None:
     check_windows("run", 0.02, replace(LAG, window_s=None))

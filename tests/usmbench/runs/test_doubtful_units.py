@@ -24,6 +24,7 @@ def test_what_a_bench_measures_is_not_asked_about() -> None:
     [
         (replace(RUN, phase_deg=np.radians(PHASE_DEG)), "radians"),
         (replace(RUN, t_s=1000.0 * RUN.t_s, window_s=1000.0 * RUN.window_s), "milliseconds"),
+        (replace(RUN, t_s=1000.0 * RUN.t_s), "milliseconds"),
         (replace(RUN, speed_rad_s=9.55 * RUN.speed_rad_s), "rpm"),
     ],
 )

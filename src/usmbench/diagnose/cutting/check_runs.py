@@ -9,6 +9,7 @@ from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.model.same_windows import check_windows
 from usmbench.runs.check_record import check_numbers
+from usmbench.runs.doubtful_units import doubtful_units
 from usmbench.runs.record import Record
 
 FEWEST_WINDOWS = 60
@@ -143,7 +144,8 @@ def check_enough(records: Sequence[Record], n_usable: int) -> None:
         They are too few.
     """
     if n_usable < FEWEST_WINDOWS:
+        todo = "; ".join(doubtful_units(records)) or "measure for longer"
         raise InputError(
             f"{records[0].name}: fewer than {FEWEST_WINDOWS} usable windows say nothing about "
-            "causes; measure for longer"
+            f"causes; {todo}"
         )

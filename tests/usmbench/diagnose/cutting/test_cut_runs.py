@@ -8,6 +8,7 @@ import pytest
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.cutting.stretches import came_from
 from usmbench.diagnose.known.features_of_runs import features_of
+from usmbench.errors import InputError
 from usmbench.model.effects.first_order import first_order
 from usmbench.model.hammerstein import HammersteinModel, OperatingPoint, StaticCurve
 from usmbench.runs.record import Record
@@ -76,6 +77,14 @@ def test_pieces_between_many_gaps_are_judged(model: HammersteinModel) -> None:
     stretches, _ = cut_runs([record], model, ())
     assert [s.context.n for s in stretches] == 20 * [45]
     assert sum(np.count_nonzero(s.use) for s in stretches) > 0.6 * 1000
+
+
+def test_rows_a_thousand_windows_apart_may_be_milliseconds(model: HammersteinModel) -> None:
+    every = _record(model, np.repeat(np.resize([-60.0, 20.0, 45.0], 20), 10))
+    with pytest.raises(InputError, match=r"few.* usable windows .*milliseconds, divide by 1000"):
+        cut_runs([replace(every, t_s=1000.0 * every.t_s)], model, ())
+    with pytest.raises(InputError, match=r"few.* usable windows .*; measure for longer"):
+        cut_runs([replace(every, t_s=100.0 * every.t_s)], model, ())
 
 
 def test_phases_a_little_beyond_the_model_are_judged(model: HammersteinModel) -> None:
