@@ -130,9 +130,12 @@ def _warnings(held: Held) -> Iterator[str]:
     yield from _hidden(held)
     yield from _no_news(held)
     if held.sporadic is not None:
+        name = held.sporadic.named.name
         yield (
-            f"no simulation foresees which windows {held.sporadic.named.name} strikes: "
-            "they count in full, before and after"
+            f"no simulation foresees which windows {name} strikes: they count in full, before and "
+            "after"
+            if held.sporadic.touched is None
+            else f"windows that {name} may have struck are left out of all other figures"
         )
     else:
         yield from left_unnamed(found.problem, found.fit.effects, found.spread)

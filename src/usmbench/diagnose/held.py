@@ -37,15 +37,17 @@ class Held:
     left_over: float
 
 
-def held(found: Found) -> Held:
+def held(found: Found, given: Sporadic | None = None) -> Held:
     """Judge what was found, and once more without the names where they gain nothing.
 
     Parameters
     ----------
     found
         What the search came to.
+    given
+        The cause of windows that stand alone, where these were left out; None to look for one.
     """
-    sporadic = find_sporadic(found.problem, found.fit.effects, found.spread)
+    sporadic = given or find_sporadic(found.problem, found.fit.effects, found.spread)
     if sporadic is not None and sporadic.named.name in found.names:
         sporadic = None
     scattered = found.count_scatter()
@@ -58,7 +60,7 @@ def held(found: Found) -> Held:
         if found.named:
             # That names do not stand says nothing against windows that stand alone, which lost
             # counts among them take for their own.
-            without = held(unnamed)
+            without = held(unnamed, given)
             if without.sporadic is not None:
                 return without
         found = scattered = unnamed
@@ -69,7 +71,7 @@ def held(found: Found) -> Held:
     # Two causes and a rare day, which hides them: there is another explanation.
     sure = len(found.named) == 1 and found.named[0][0].p_value < NO_CHANCE
     if found.named and foretells_nothing(scattered.problem, foretold, sure=sure):
-        return held(found.drop_names())
+        return held(found.drop_names(), given)
     problem, alone = scattered.problem, sporadic is not None
     gain = held_out_gain(problem, foretold, alone=alone)
     return Held(scattered, says, sporadic, gain, left_over(problem, foretold, alone=alone))

@@ -96,4 +96,8 @@ def _diagnosed(
         if reason is not None and all(e.name != name for e in testable):
             refused[name] = reason
     stands = held(searched(stretches, model))
+    if stands.sporadic is not None and stands.sporadic.touched is not None:
+        pairs = zip(stretches, stands.sporadic.touched, strict=True)
+        others = [replace(s, use=s.use & ~rows) for s, rows in pairs]
+        stands = held(searched(others, model), stands.sporadic)
     return described(stands, model, testable, tuple(refused.items()), warnings)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import ks_2samp, poisson
 
-from usmbench.diagnose.cutting.stretches import Stretch, came_from
+from usmbench.diagnose.cutting.stretches import Mask, Stretch, came_from
 from usmbench.diagnose.evidence import Estimate, NamedCause
 from usmbench.diagnose.naming.apart_windows import away_rad_s, beyond, scatter_rad_s
 from usmbench.diagnose.naming.ranking import NO_CHANCE, SIGNIFICANT, TELLING
@@ -45,11 +45,14 @@ class Sporadic:
     deviance
         Square of the windows that it may have struck, over the noise's: where the motor moves, of
         those that stand alone, and are no further off than where it runs steadily.
+    touched
+        Windows of each stretch that it may move, shape (N,); None where chance says which.
     """
 
     applied: Applied
     named: NamedCause
     deviance: float
+    touched: list[Mask] | None
 
 
 def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -> Sporadic | None:
@@ -67,7 +70,8 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
     left = problem.left_rad_s(effects)
     alone = StandingAlone.of(problem, effects, spread)
     rows = np.concatenate(alone.calm)
-    windows = _windows(problem, left, alone).of(rows)
+    every = _windows(problem, left, alone)
+    windows = every.of(rows)
     before = [came_from(s.settled_rad_s, s.step_rad_s, s.lag) for s in problem.stretches]
     places = np.unique(np.concatenate(before)[rows][windows.alone])
     p_value = _p_value(windows, problem.known.spikes_hz)
@@ -98,7 +102,10 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
         gain=0.0,  # no simulation foresees which windows it strikes
     )
     applied = Applied(effect, {e.name: e.value for e in estimates})
-    return Sporadic(applied, named, _deviance(problem, left, alone))
+    rows_touched = effect.touched(windows, every)
+    ends = np.cumsum([r.size for r in left])[:-1]
+    touched = None if rows_touched is None else np.split(rows_touched, ends)
+    return Sporadic(applied, named, _deviance(problem, left, alone), touched)
 
 
 def _windows(problem: Problem, left: Sequence[Array], alone: StandingAlone) -> LoneWindows:

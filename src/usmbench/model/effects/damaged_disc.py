@@ -1,19 +1,25 @@
 """Marks are missing at one place of the encoder's disc."""
 
 import math
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 from scipy.special import xlogy
 
-from usmbench.model.effects.base import Array, Values
+from usmbench.model.effects.base import Array, Mask, Values
 from usmbench.model.effects.context import Context, middle_rad
 from usmbench.model.effects.lone_windows import Interval, LoneWindows, SporadicEffect, Weighed
 from usmbench.model.effects.parameter import Parameter
 
 _TURN_RAD = 2.0 * math.pi
 _PLACES = 5  # tried in each window that stands alone
+# Times what is missing: slower windows may share it. Of the faster ones those that a limit would
+# spare; nothing measured sets it.
+_TIMES, _SLOWER = 2.0, 0.25
+_STANDS = 0.1  # of the missing angle: by which a counter that stands may move
+_BESIDE = 0.25  # of the missing angle: while it passes, the counter stands, to a count or so
 _AS_LIKELY = 1.92  # of the log-likelihood: 95 % of χ² with one degree of freedom, halved
 _OTHERWISE = 0.02  # of the windows that stand alone: elsewhere, or too fast. As for lost counts
 
@@ -77,37 +83,110 @@ class DamagedDisc(SporadicEffect):
         windows
             The windows, of which some stand alone.
         """
-        if not windows.alone.any():
+        places = _places(windows)
+        if not places or _spares_slow_ones(windows, places):
             return Weighed(-np.inf, {})
-        every = np.ones(windows.alone.size, dtype=np.bool_)
-        # A pass from one window into the next takes a part of each.
-        missing_rad_s = np.convolve(windows.deviation_rad_s, np.ones(3), mode="same")
-        sizes_rad_s = replace(windows, deviation_rad_s=missing_rad_s).size_rad_s(every)
-        low, size, high = (rad_s * windows.window_s for rad_s in sizes_rad_s)
-        # Where an index corrects the count, a revolution has all of its angle.
-        turns_rad = (_TURN_RAD - size, _TURN_RAD)
-        runs = [windows.of(windows.run == run) for run in np.unique(windows.run[windows.alone])]
-        found = [max(_placed(run, turn_rad) for turn_rad in turns_rad) for run in runs]
         values = {
-            "rate_hz": windows.rate_hz(every),
-            "missing_rad": (low, size, high),
-            "angle_rad": found[0][1],
+            "rate_hz": windows.rate_hz(np.ones(windows.alone.size, dtype=np.bool_)),
+            "missing_rad": _missing_rad(windows),
+            "angle_rad": next(iter(places.values())).angle_rad,
         }
-        return Weighed(sum(likely for likely, _ in found), values)
+        return Weighed(sum(place.log_likelihood for place in places.values()), values)
+
+    def touched(self, windows: LoneWindows, every: LoneWindows) -> Mask:
+        """Return the windows in which the place passes, also where they do not stand alone.
+
+        Parameters
+        ----------
+        windows, every
+            As in `SporadicEffect.touched`.
+        """
+        return _passed(every, _places(windows), _BESIDE * _missing_rad(windows)[1])
 
 
-def _placed(run: LoneWindows, turn_rad: float) -> tuple[float, Interval]:
-    """Return the log-likelihood of one run at the likeliest place, and the place.
-
-    It has the interval in which its likelihood is near the largest (Wilks 1938,
-    doi:10.1214/aoms/1177732360).
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """Where marks are missing in one run.
 
     Parameters
     ----------
-    run
-        Windows of a run, some of which stand alone.
+    log_likelihood
+        Of the windows that stand alone, less the price of what was chosen to fit.
+    angle_rad
+        Low end, value and high end of 95 %.
     turn_rad
-        What a revolution is by its angle.
+        What a revolution is by the run's angle.
+    """
+
+    log_likelihood: float
+    angle_rad: Interval
+    turn_rad: float
+
+
+def _missing_rad(windows: LoneWindows) -> Interval:
+    """Return what is missing: low end, median and high end of 95 %.
+
+    Windows in a row that stand alone lack a part of one pass each.
+    """
+    lacks_rad_s = np.where(windows.alone, windows.deviation_rad_s, 0.0)
+    row = np.cumsum(np.diff(windows.alone, prepend=False))
+    whole_rad_s = np.bincount(row, lacks_rad_s)[row]
+    every = np.ones(lacks_rad_s.size, dtype=np.bool_)
+    sizes = replace(windows, deviation_rad_s=whole_rad_s).size_rad_s(every)
+    low, size, high = (rad_s * windows.window_s for rad_s in sizes)
+    return low, size, high
+
+
+def _places(windows: LoneWindows) -> dict[int, _Place]:
+    """Return the likeliest place in each run of which some windows stand alone."""
+    _, missing_rad, _ = _missing_rad(windows)
+    # Where an index corrects the count, a revolution has all of its angle.
+    turns_rad = (_TURN_RAD - missing_rad, _TURN_RAD)
+    found = {}
+    for run in np.unique(windows.run[windows.alone]).tolist():
+        own = windows.of(windows.run == run)
+        both = (_placed(own, turn_rad) for turn_rad in turns_rad)
+        found[run] = max(both, key=lambda place: place.log_likelihood)
+    return found
+
+
+def _passed(windows: LoneWindows, places: Mapping[int, _Place], beside_rad: float) -> Mask:
+    """Return the windows in which the place of their run passes, or may by so much more angle."""
+    rows = np.zeros(windows.alone.size, dtype=np.bool_)
+    for run, place in places.items():
+        low_rad, _, high_rad = place.angle_rad
+        ends_rad = (windows.from_rad - high_rad - beside_rad, windows.to_rad - low_rad + beside_rad)
+        first, last = (np.floor(end_rad / place.turn_rad) for end_rad in ends_rad)
+        rows |= (windows.run == run) & (last > first)
+    return rows
+
+
+def _spares_slow_ones(windows: LoneWindows, places: Mapping[int, _Place]) -> bool:
+    """Whether most of the slower passes take nothing, of those that one window can hold.
+
+    A filter that swallows the narrowest pulse of the disc does so at one place, above some speed.
+    """
+    _, missing_rad, _ = _missing_rad(windows)
+    fast_rad_s = np.abs(windows.speed_rad_s)
+    beside = _passed(windows, places, missing_rad)
+    begins = beside & ~np.concatenate([[False], beside[:-1]])
+    rows = beside & (fast_rad_s * windows.window_s > _TIMES * missing_rad)
+    passes = np.cumsum(begins)[rows]
+    lacks_rad = -windows.deviation_rad_s * np.sign(windows.speed_rad_s) * windows.window_s
+    taken_rad, n, speed_rad_s = (
+        np.bincount(passes, weights) for weights in (lacks_rad[rows], None, fast_rad_s[rows])
+    )
+    speeds, struck = (speed_rad_s / np.maximum(n, 1))[n > 0], (taken_rad > 0.5 * missing_rad)[n > 0]
+    if not speeds.size:
+        return False
+    slower = speeds <= np.quantile(speeds, _SLOWER)
+    return bool(np.mean(struck[slower]) < 0.5)
+
+
+def _placed(run: LoneWindows, turn_rad: float) -> _Place:
+    """Return the likeliest place in one run, with where its likelihood is near the largest.
+
+    That interval is of Wilks (1938, doi:10.1214/aoms/1177732360).
     """
     inner = np.linspace(0.0, 1.0, _PLACES + 2)[1:-1, None]
     from_rad, to_rad = run.from_rad[run.alone], run.to_rad[run.alone]
@@ -119,7 +198,7 @@ def _placed(run: LoneWindows, turn_rad: float) -> tuple[float, Interval]:
     place_rad = float(tried_rad[best])
     interval = place_rad + float(np.min(as_well)), place_rad, place_rad + float(np.max(as_well))
     # Where it is was chosen to fit.
-    return float(likely[best]) - math.log(run.alone.size), interval
+    return _Place(float(likely[best]) - math.log(run.alone.size), interval, turn_rad)
 
 
 def _log_likelihood(run: LoneWindows, places_rad: Array, turn_rad: float) -> Array:
@@ -142,9 +221,14 @@ def _log_likelihood(run: LoneWindows, places_rad: Array, turn_rad: float) -> Arr
 
 
 def _passing(windows: LoneWindows, places_rad: Array, turn_rad: float) -> Array:
-    """Return in how many windows each place passes, shape of the places."""
-    begin = np.remainder(windows.from_rad, turn_rad)
-    end = np.sort(begin + np.minimum(windows.to_rad - windows.from_rad, turn_rad))
+    """Return in how many windows each place passes, shape of the places.
+
+    While marks are missing, the counter stands.
+    """
+    beside_rad = _STANDS * (_TURN_RAD - turn_rad)
+    begin = np.remainder(windows.from_rad - beside_rad, turn_rad)
+    turned_rad = windows.to_rad - windows.from_rad + 2.0 * beside_rad
+    end = np.sort(begin + np.minimum(turned_rad, turn_rad))
     begin = np.sort(begin)
     passing = np.zeros(places_rad.size)
     for at in (places_rad, places_rad + turn_rad):

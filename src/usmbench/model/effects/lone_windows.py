@@ -153,3 +153,17 @@ class SporadicEffect(Effect):
         windows
             The windows, of which some stand alone.
         """
+
+    def touched(self, windows: LoneWindows, every: LoneWindows) -> NDArray[np.bool_] | None:
+        """Return which windows it may move though they do not stand alone, shape of `every`.
+
+        They are left out of all else. None where that is left to chance: all count in full.
+
+        Parameters
+        ----------
+        windows
+            The windows that it was weighed by.
+        every
+            All windows.
+        """
+        return None

@@ -123,6 +123,22 @@ def test_windows_that_stand_alone_at_one_angle_are_a_damaged_disc(one_place: boo
         assert values["angle_rad"] == pytest.approx(2.0, abs=0.06)
 
 
+def test_slow_windows_that_share_a_gap_of_the_disc_are_left_out() -> None:
+    phase_deg = np.repeat(np.random.default_rng(12).uniform(-88.0, 88.0, 200), 20)
+    record = driven(phase_deg, 4)
+    turned_rad = np.cumsum(np.concatenate([[0.0], record.speed_rad_s])) * WINDOW_S
+    # From 2.0 to 2.02 rad of each revolution nothing is counted.
+    begins_rad = 2.0 + 2.0 * np.pi * np.arange(-40.0, 40.0)
+    true_rad = np.sort(np.concatenate([begins_rad, begins_rad + 0.02]))
+    missing_rad = np.repeat(0.02 * np.arange(81.0), 2)[1:-1]
+    seen_rad = turned_rad - np.interp(turned_rad, true_rad, missing_rad)
+    found = diagnose([replace(record, speed_rad_s=np.diff(seen_rad) / WINDOW_S)], identified())
+    assert found.verdict == "explained"
+    (cause,) = found.causes
+    assert cause.name == "damaged_disc"
+    assert "left out of all other figures" in " ".join(found.warnings)
+
+
 def test_a_false_count_is_as_large_as_it_is_beside_its_neighbours() -> None:
     draw = np.random.default_rng(6)
     phase_deg = np.repeat(draw.uniform(30.0, 88.0, 100), 20)

@@ -103,6 +103,17 @@ def test_lost_counts_of_a_fast_motor_are_no_place() -> None:
         assert _by_likelihood(windows)[0][1] == "missed_counts"
 
 
+def test_a_line_that_is_lost_above_some_speed_is_no_damage() -> None:
+    """As by a filter that swallows the narrowest pulse of the disc."""
+    for seed in range(20):
+        speed_rad_s = _to_and_fro(np.random.default_rng(seed))
+        whole, lacking = (np.diff(_counted(speed_rad_s, 700, lines)) for lines in (0, 1))
+        counts = np.where(np.abs(speed_rad_s) > 7.0, lacking, whole)
+        counted = np.cumsum(np.concatenate([[0.0], counts]))
+        windows = _windows(seed, speed_rad_s, counted, np.abs(whole) - np.abs(counts))
+        assert _by_likelihood(windows)[0][1] == "missed_counts"
+
+
 def test_angles_that_begin_anew_in_each_run_show_one_place_each() -> None:
     first, second = _damaged(1, 300, 2), _damaged(2, 1500, 2)
     joined = {
