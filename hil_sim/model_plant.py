@@ -47,6 +47,7 @@ class ModelPlant:
         self._waiting: deque[tuple[float, Callable[[], None]]] = deque()
         self._path: list[Piece] = [(0.0, 0, 0.0, 0.0, 0.0, 0.0)]
         self._next_window_s = self._origin_s = 0.0
+        self._window_s = self._speed.window_s
         self._clock_start_s, self._clock_rate_hz, self._clock_samples = 0.0, 0.0, 0
 
     def drive(self, time_s: float, drive: Drive) -> None:
@@ -130,6 +131,9 @@ class ModelPlant:
                 self._clock_start_s += self._clock_samples / self._clock_rate_hz
             self._clock_rate_hz, self._clock_samples = sample_rate_hz, 0
             self._next_window_s = self._origin_s = self._clock_start_s
+            # A model's windows are the mean of a record's, and so a little off whole samples.
+            whole = max(round(self._speed.window_s * sample_rate_hz), 1)
+            self._window_s = whole / sample_rate_hz
         ticks = np.arange(float(self._clock_samples), float(self._clock_samples + n_samples + 1))
         self._clock_samples += n_samples
         times_s = self._clock_start_s + ticks / sample_rate_hz
@@ -137,7 +141,7 @@ class ModelPlant:
 
     def _follow_window(self, known_until_s: float) -> None:
         """Turn the shaft by another window, under the commands known by its end."""
-        start_s, window_s = self._next_window_s, self._speed.window_s
+        start_s, window_s = self._next_window_s, self._window_s
         number = round((start_s - self._origin_s) / window_s) + 1
         end_s = self._origin_s + number * window_s
         while self._waiting and self._waiting[0][0] < min(end_s, known_until_s) - _ROUNDING_S:

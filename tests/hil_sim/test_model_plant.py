@@ -64,10 +64,11 @@ def turned_rad(plant: ModelPlant, windows: int) -> float:
 
 
 @pytest.mark.parametrize("effects", [(), EXTENDED], ids=["identified", "extended"])
+@pytest.mark.parametrize("window_s", [WINDOW_S, WINDOW_S - 2.2e-9, WINDOW_S + 2.2e-9])
 def test_a_sweep_on_the_model_measures_what_replay_says(
-    tmp_path: Path, effects: tuple[dict[str, Any], ...]
+    tmp_path: Path, effects: tuple[dict[str, Any], ...], window_s: float
 ) -> None:
-    model = hammerstein(*effects)
+    model = hammerstein(*effects, window_s=window_s)
     plan = parse_plan(parse_source(PLAN, "telegraph.yaml"))
     interlocks = replace(BenchSettings(name="t").interlocks, index_error_max_counts=None)
     settings = replace(BenchSettings(name="t"), interlocks=interlocks)

@@ -28,7 +28,7 @@ class DamagedDisc(SporadicEffect):
     """No counts while δ of the revolution passes: marks are missing there, or covered.
 
     Both ways the same counts are missing, so a revolution has 2π − δ by what is counted, and the
-    place keeps its angle by these counts. The simulation's own shaft starts at the angle 0.
+    place keeps its angle by these counts.
     """
 
     name = "damaged_disc"
@@ -67,7 +67,9 @@ class DamagedDisc(SporadicEffect):
             As in `Effect.apply`.
         """
         missing_rad, window_s = values["missing_rad"], context.window_s
-        half_rad, middle = 0.5 * signal * window_s, middle_rad(signal, window_s)
+        half_rad, middle = 0.5 * signal * window_s, context.angle_rad
+        if middle is None:
+            middle = middle_rad(signal, window_s)
         ends_rad = np.stack([middle - half_rad, middle + half_rad]) - values["angle_rad"]
         turns, within_rad = np.divmod(ends_rad, _TURN_RAD)
         lost_rad = turns * missing_rad + np.minimum(within_rad, missing_rad)
