@@ -13,7 +13,7 @@ BEYOND_MEASURE = 1e12  # in whatever unit: no bench has measured as much
 
 
 def check_numbers(record: Record) -> None:
-    """Refuse a run without rows, and what is no number in what was commanded or measured.
+    """Refuse a run without rows, what is no number, and a time before the first sample.
 
     Parameters
     ----------
@@ -37,6 +37,10 @@ def check_numbers(record: Record) -> None:
             raise InputError(
                 f"{record.name}: {name} of row {row} is {column[row]}; remove the row or mend it"
             )
+    if record.t_s[0] < 0.0:
+        raise InputError(
+            f"{record.name}: t_s begins at {record.t_s[0]:g} s; count it from the first sample"
+        )
 
 
 def check_together(records: Sequence[Record]) -> None:

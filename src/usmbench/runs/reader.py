@@ -76,7 +76,7 @@ def read_run(path: Path | str) -> Record:
     window_s = _window_s(table, columns, meta)
     t_s = columns["t_s"] if "t_s" in columns else np.cumsum(window_s)
     _rising(table, t_s)
-    if not whole and t_s.size and t_s[0] > _CLOCK_S:
+    if not whole and t_s.size and not 0.0 <= t_s[0] <= _CLOCK_S:
         t_s = t_s - t_s[0] + window_s[0]
     optional = {name: columns.get(name) for name in _OPTIONAL}
     of_dwells = optional | {DRIVE_COLUMN: _as_column(table, DRIVE_COLUMN)}

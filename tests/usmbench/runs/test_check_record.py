@@ -34,6 +34,11 @@ def test_a_run_without_a_row_is_refused() -> None:
         check_numbers(Record("a run", none, none, none, none))
 
 
+def test_a_time_before_the_first_sample_is_refused() -> None:
+    with pytest.raises(InputError, match=r"a run: t_s begins at -5\.99 s; count it from the first"):
+        check_numbers(replace(RECORD, t_s=T_S - 6.0))
+
+
 def test_a_number_beyond_all_measuring_is_refused() -> None:
     with pytest.raises(InputError, match="speed_rad_s of row 2 is 1e"):
         check_numbers(replace(RECORD, speed_rad_s=np.r_[1.0, 2.0, 1e300, 4.0, 5.0]))

@@ -282,7 +282,7 @@ def test_a_long_run_is_read_whole(tmp_path: Path) -> None:
     assert len(run.pairs.t_s) == pytest.approx(1001, abs=1)
 
 
-@pytest.mark.parametrize(("begins_s", "first_s"), [(1.7e9, 0.01), (120.0, 120.0)])
+@pytest.mark.parametrize(("begins_s", "first_s"), [(1.7e9, 0.01), (-1e6, 0.01), (120.0, 120.0)])
 def test_a_clocks_time_is_counted_from_the_first_row(
     tmp_path: Path, begins_s: float, first_s: float
 ) -> None:

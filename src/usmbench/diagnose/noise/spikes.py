@@ -144,9 +144,15 @@ def off_steps(
 
 
 def _wild(stretches: Sequence[Stretch], residuals: Sequence[Array]) -> list[Mask]:
-    """Return the windows that are off by more than any motor of a model's size turns."""
+    """Return the windows that are off by more than any motor of a model's size turns.
+
+    Where many are, the motor turns though the model stands.
+    """
     highest_rad_s = max(float(np.max(np.abs(s.simulated_rad_s))) for s in stretches)
-    return [np.abs(r) > WILD_TIMES * highest_rad_s for r in residuals]
+    wild = [np.abs(r) > WILD_TIMES * highest_rad_s for r in residuals]
+    if np.mean(np.concatenate(wild)) > _MOST_ALONE:
+        return [np.zeros_like(rows) for rows in wild]
+    return wild
 
 
 def _come_with_steps(alone: Mask, lag: NDArray[np.int64]) -> bool:

@@ -1,7 +1,6 @@
 """Marks are missing at one place of the encoder's disc."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -45,7 +44,7 @@ class DamagedDisc(SporadicEffect):
             0.0,
             _TURN_RAD,
             0.01,
-            what="angle that is not counted there",
+            what="angle that is not counted there, in the same run",
         ),
         Parameter(
             "angle_rad",
@@ -86,12 +85,14 @@ class DamagedDisc(SporadicEffect):
             The windows, of which some stand alone.
         """
         places = _places(windows)
-        if not places or _spares_slow_ones(windows, places):
+        own = ((windows.of(windows.run == run), place) for run, place in places.items())
+        if not places or any(_spares_slow_ones(*pair) for pair in own):
             return Weighed(-np.inf, {})
+        first = next(iter(places.values()))
         values = {
             "rate_hz": windows.rate_hz(np.ones(windows.alone.size, dtype=np.bool_)),
-            "missing_rad": _missing_rad(windows),
-            "angle_rad": next(iter(places.values())).angle_rad,
+            "missing_rad": first.missing_rad,
+            "angle_rad": first.angle_rad,
         }
         return Weighed(sum(place.log_likelihood for place in places.values()), values)
 
@@ -103,7 +104,11 @@ class DamagedDisc(SporadicEffect):
         windows, every
             As in `SporadicEffect.touched`.
         """
-        return _passed(every, _places(windows), _BESIDE * _missing_rad(windows)[1])
+        rows = np.zeros(every.alone.size, dtype=np.bool_)
+        for run, place in _places(windows).items():
+            beside_rad = _BESIDE * place.missing_rad[1]
+            rows |= (every.run == run) & _passed(every, place, beside_rad)
+        return rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,13 +119,14 @@ class _Place:
     ----------
     log_likelihood
         Of the windows that stand alone, less the price of what was chosen to fit.
-    angle_rad
-        Low end, value and high end of 95 %.
+    missing_rad, angle_rad
+        How much is missing, and where: low end, value and high end of 95 %.
     turn_rad
         What a revolution is by the run's angle.
     """
 
     log_likelihood: float
+    missing_rad: Interval
     angle_rad: Interval
     turn_rad: float
 
@@ -141,40 +147,37 @@ def _missing_rad(windows: LoneWindows) -> Interval:
 
 def _places(windows: LoneWindows) -> dict[int, _Place]:
     """Return the likeliest place in each run of which some windows stand alone."""
-    _, missing_rad, _ = _missing_rad(windows)
-    # Where an index corrects the count, a revolution has all of its angle.
-    turns_rad = (_TURN_RAD - missing_rad, _TURN_RAD)
     found = {}
     for run in np.unique(windows.run[windows.alone]).tolist():
         own = windows.of(windows.run == run)
-        both = (_placed(own, turn_rad) for turn_rad in turns_rad)
+        missing_rad = _missing_rad(own)
+        # Where an index corrects the count, a revolution has all of its angle.
+        turns_rad = (_TURN_RAD - missing_rad[1], _TURN_RAD)
+        both = (_placed(own, missing_rad, turn_rad) for turn_rad in turns_rad)
         found[run] = max(both, key=lambda place: place.log_likelihood)
     return found
 
 
-def _passed(windows: LoneWindows, places: Mapping[int, _Place], beside_rad: float) -> Mask:
-    """Return the windows in which the place of their run passes, or may by so much more angle."""
-    rows = np.zeros(windows.alone.size, dtype=np.bool_)
-    for run, place in places.items():
-        low_rad, _, high_rad = place.angle_rad
-        ends_rad = (windows.from_rad - high_rad - beside_rad, windows.to_rad - low_rad + beside_rad)
-        first, last = (np.floor(end_rad / place.turn_rad) for end_rad in ends_rad)
-        rows |= (windows.run == run) & (last > first)
-    return rows
+def _passed(windows: LoneWindows, place: _Place, beside_rad: float) -> Mask:
+    """Return the windows in which a place passes, or may by so much more angle."""
+    low_rad, _, high_rad = place.angle_rad
+    ends_rad = (windows.from_rad - high_rad - beside_rad, windows.to_rad - low_rad + beside_rad)
+    first, last = (np.floor(end_rad / place.turn_rad) for end_rad in ends_rad)
+    return np.asarray(last > first)
 
 
-def _spares_slow_ones(windows: LoneWindows, places: Mapping[int, _Place]) -> bool:
+def _spares_slow_ones(run: LoneWindows, place: _Place) -> bool:
     """Whether most of the slower passes take nothing, of those that one window can hold.
 
     A filter that swallows the narrowest pulse of the disc does so at one place, above some speed.
     """
-    _, missing_rad, _ = _missing_rad(windows)
-    fast_rad_s = np.abs(windows.speed_rad_s)
-    beside = _passed(windows, places, missing_rad)
+    _, missing_rad, _ = place.missing_rad
+    fast_rad_s = np.abs(run.speed_rad_s)
+    beside = _passed(run, place, missing_rad)
     begins = beside & ~np.concatenate([[False], beside[:-1]])
-    rows = beside & (fast_rad_s * windows.window_s > _TIMES * missing_rad)
+    rows = beside & (fast_rad_s * run.window_s > _TIMES * missing_rad)
     passes = np.cumsum(begins)[rows]
-    lacks_rad = -windows.deviation_rad_s * np.sign(windows.speed_rad_s) * windows.window_s
+    lacks_rad = -run.deviation_rad_s * np.sign(run.speed_rad_s) * run.window_s
     taken_rad, n, speed_rad_s = (
         np.bincount(passes, weights) for weights in (lacks_rad[rows], None, fast_rad_s[rows])
     )
@@ -185,7 +188,7 @@ def _spares_slow_ones(windows: LoneWindows, places: Mapping[int, _Place]) -> boo
     return bool(np.mean(struck[slower]) < 0.5)
 
 
-def _placed(run: LoneWindows, turn_rad: float) -> _Place:
+def _placed(run: LoneWindows, missing_rad: Interval, turn_rad: float) -> _Place:
     """Return the likeliest place in one run, with where its likelihood is near the largest.
 
     That interval is of Wilks (1938, doi:10.1214/aoms/1177732360).
@@ -197,10 +200,12 @@ def _placed(run: LoneWindows, turn_rad: float) -> _Place:
     best = int(np.argmax(likely))
     away_rad = np.remainder(tried_rad - tried_rad[best] + 0.5 * turn_rad, turn_rad) - 0.5 * turn_rad
     as_well = away_rad[likely > likely[best] - _AS_LIKELY]
-    place_rad = float(tried_rad[best])
-    interval = place_rad + float(np.min(as_well)), place_rad, place_rad + float(np.max(as_well))
+    place_rad, apart_rad = float(tried_rad[best]), float(np.median(to_rad - from_rad)) / _PLACES
+    low_rad, high_rad = (float(end) for end in (np.min(as_well), np.max(as_well)))
+    angle_rad = (place_rad + low_rad - apart_rad, place_rad, place_rad + high_rad + apart_rad)
     # Where it is was chosen to fit.
-    return _Place(float(likely[best]) - math.log(run.alone.size), interval, turn_rad)
+    likely_most = float(likely[best]) - math.log(run.alone.size)
+    return _Place(likely_most, missing_rad, angle_rad, turn_rad)
 
 
 def _log_likelihood(run: LoneWindows, places_rad: Array, turn_rad: float) -> Array:

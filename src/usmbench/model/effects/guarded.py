@@ -76,7 +76,7 @@ def _guarded(name: str, method: Any, checked: Callable[[Any, Any, Any], Any]) ->
             answer = method.__get__(self, type(self))(*given)
         except InputError:
             raise
-        except Exception as error:  # a user's own method may fail in any way
+        except (Exception, SystemExit) as error:  # a user's own method may fail in any way
             inner = error.__traceback__.tb_next if error.__traceback__ else None
             raise wrong(self, _raised(name, error), inner and inner.tb_lineno) from error
         try:
@@ -94,7 +94,7 @@ def _read_only(signal: NDArray[np.float64]) -> NDArray[np.float64]:
     return view
 
 
-def _raised(name: str, error: Exception) -> str:
+def _raised(name: str, error: BaseException) -> str:
     """Say what a method raised."""
     if "read-only" in str(error):
         return f"{name} changes in place what it is given: let it return a new array"

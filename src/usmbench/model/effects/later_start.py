@@ -49,10 +49,10 @@ class LaterStart(Effect):
         # Where few starts tell, all may be right between two widths near each other.
         ends = np.unique(np.concatenate([_at_starts_deg(c) for c in contexts]))
         ends = ends[ends > 0.0]
-        if not ends.size:
-            return {"start_later_deg": np.geomspace(0.02, 40.0, 30)}
-        widths_deg = 0.5 * (ends + np.r_[0.0, ends[:-1]])
+        widths_deg = 0.5 * (ends + np.r_[0.0, ends][:-1])
         widths_deg = widths_deg[widths_deg <= self.parameters[0].high]
+        if not widths_deg.size:
+            return {"start_later_deg": np.geomspace(0.02, 40.0, 30)}
         if ends.size > _MANY_STARTS:
             steps = np.floor(np.log(widths_deg) / np.log(_APART))
             widths_deg = widths_deg[np.unique(steps, return_index=True)[1]]

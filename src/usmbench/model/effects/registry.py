@@ -48,7 +48,7 @@ def _loaded(entry: EntryPoint) -> tuple[Effect, ...]:
     try:
         found: Any = entry.load()
         members = tuple(found) if isinstance(found, Sequence) else (found,)
-    except Exception as error:  # a user's own file may fail in any way
+    except (Exception, SystemExit) as error:  # a user's own file may fail in any way
         raise CauseError(
             f"{where} cannot be loaded: {one_line(error)}; mend or remove the package that "
             "registers it"

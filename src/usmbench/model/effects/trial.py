@@ -47,7 +47,7 @@ def try_out(effect: Effect) -> None:
                 _try_sizes(effect, context)
         except CauseError:
             raise
-        except Exception as error:  # what comes from elsewhere than the methods it is asked by
+        except (Exception, SystemExit) as error:  # from elsewhere than its own methods
             raise wrong(effect, f"raised {one_line(error)}") from error
 
 

@@ -77,6 +77,17 @@ def test_what_no_motor_makes_is_no_window_to_judge_wherever_it_stands(
     assert np.flatnonzero(alone).tolist() == list(windows)
 
 
+@pytest.mark.parametrize(("share", "left_out"), [(0.05, True), (0.9, False)])
+def test_a_motor_that_turns_where_the_model_stands_is_judged(share: float, left_out: bool) -> None:
+    t_s, turns = WINDOW_S * np.arange(1.0, N + 1.0), np.arange(N) >= (1.0 - share) * N
+    speed_rad_s = np.where(turns, 5.0, 0.0)
+    record = Record("still", t_s, np.zeros(N), speed_rad_s, np.full(N, WINDOW_S))
+    (stretch,), _ = cut_runs([record], MODEL, ())
+    (far,) = spiked([stretch], [stretch.residual_rad_s], NOISE, near_steps=True)
+    assert (np.count_nonzero(far) == np.count_nonzero(turns)) == left_out
+    assert left_out or not far.any()
+
+
 @pytest.mark.parametrize("everywhere_rad_s", [0.0, -1.0])
 @pytest.mark.parametrize(("by_chance", "lag"), [(True, 0), (False, 0), (False, -1)])
 def test_what_every_step_leaves_is_no_exception(

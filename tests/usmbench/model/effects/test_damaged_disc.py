@@ -115,7 +115,8 @@ def test_a_line_that_is_lost_above_some_speed_is_no_damage() -> None:
 
 
 def test_angles_that_begin_anew_in_each_run_show_one_place_each() -> None:
-    first, second = _damaged(1, 300, 2), _damaged(2, 1500, 2)
+    # Of a scratch that has grown.
+    first, second = _damaged(1, 300, 1), _damaged(2, 1500, 3)
     joined = {
         f.name: np.concatenate([getattr(first, f.name), getattr(second, f.name)])
         for f in fields(LoneWindows)[:-2]

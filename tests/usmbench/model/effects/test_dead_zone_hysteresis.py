@@ -79,6 +79,11 @@ def test_where_nothing_runs_a_few_widths_are_tried() -> None:
     assert np.all(np.diff(tried) > 0.0)
 
 
+def test_where_all_starts_are_too_far_out_a_few_widths_are_tried() -> None:
+    (tried,) = Sticking().grid([context_of([160.0, 170.0])]).values()
+    assert tried.size == 30
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_of_many_starts_those_that_differ_by_a_fifth_are_told_apart(seed: int) -> None:
     """A multisine may stay at one phase just beyond the edge, and pass quickly at all others."""

@@ -29,6 +29,8 @@ SPOILT = [
         'raise KeyError("oops\\n!")\n        braked = context',
         r"brake_left_on, line 22\): apply raised KeyError",
     ),
+    (DOES, "raise SystemExit(0)", "apply raised SystemExit"),
+    (ONE, "raise SystemExit(0)", "cannot be loaded: SystemExit"),
     (DOES, "return signal[:-1]", r"apply returns an array of shape \(5999,\) where"),
     (DOES, "return 0.0", r"apply returns 0\.0 where one of shape \(6000,\)"),
     (DOES, "pass", "apply returns None where"),
