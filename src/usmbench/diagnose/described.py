@@ -131,12 +131,13 @@ def _warnings(held: Held) -> Iterator[str]:
     yield from _no_news(held)
     if held.sporadic is not None:
         name = held.sporadic.named.name
-        yield (
-            f"no simulation foresees which windows {name} strikes: they count in full, before and "
-            "after"
-            if held.sporadic.touched is None
-            else f"windows that {name} may have struck are left out of all other figures"
-        )
+        if held.sporadic.applied.effect.left_out:
+            yield f"windows that {name} may have struck are left out of all other figures"
+        else:
+            yield (
+                f"no simulation foresees which windows {name} strikes: they count in full, before "
+                "and after"
+            )
     else:
         yield from left_unnamed(found.problem, found.fit.effects, found.spread)
     yield from warm_warnings(found.problem.known.began_warm, found.if_cold)

@@ -96,7 +96,7 @@ def _diagnosed(
         if reason is not None and all(e.name != name for e in testable):
             refused[name] = reason
     stands = held(searched(stretches, model))
-    if stands.sporadic is not None and stands.sporadic.touched is not None:
+    if stands.sporadic is not None and stands.sporadic.applied.effect.left_out:
         pairs = zip(stretches, stands.sporadic.touched, strict=True)
         others = [replace(s, use=s.use & ~rows) for s, rows in pairs]
         stands = held(searched(others, model), stands.sporadic)

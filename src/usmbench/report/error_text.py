@@ -60,6 +60,6 @@ def what_is_left(diagnosis: Diagnosis) -> str:
 
 
 def _by_chance(cause: NamedCause) -> bool:
-    """Whether a cause acts where no simulation foresees it."""
+    """Whether a cause acts where no simulation foresees it, and windows there count."""
     effect = find_effect(cause.name, cause.form)
-    return effect.sporadic or effect.by_chance
+    return (effect.sporadic or effect.by_chance) and not effect.left_out

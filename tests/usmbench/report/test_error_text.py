@@ -49,6 +49,12 @@ def test_an_error_beyond_that_of_the_own_runs_is_not_called_usual(make_diagnosis
     assert "misses as much" not in said
 
 
+def test_windows_that_are_left_out_do_not_count_in_full(make_diagnosis: Make) -> None:
+    disc = replace(make_diagnosis().causes[0], name="damaged_disc", alternatives=())
+    said = what_is_left(make_diagnosis(remainder=None, left_over=6.6, causes=(disc,)))
+    assert "strikes" not in said
+
+
 def test_what_a_cause_does_by_chance_is_no_difference_between_days(make_diagnosis: Make) -> None:
     glitches = replace(make_diagnosis().causes[0], name="count_glitches", alternatives=())
     said = what_is_left(make_diagnosis(remainder=None, left_over=6.6, causes=(glitches,)))

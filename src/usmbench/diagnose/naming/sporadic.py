@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import ks_2samp, poisson
 
-from usmbench.diagnose.cutting.stretches import Mask, Stretch, came_from
+from usmbench.diagnose.cutting.stretches import Mask, came_from
 from usmbench.diagnose.evidence import Estimate, NamedCause
 from usmbench.diagnose.naming.apart_windows import away_rad_s, beyond, scatter_rad_s
 from usmbench.diagnose.naming.ranking import NO_CHANCE, SIGNIFICANT, TELLING
@@ -17,7 +17,6 @@ from usmbench.diagnose.noise.spikes import apart, are_exceptions
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.whole import PLAIN_P_VALUE
 from usmbench.model.applied import Applied
-from usmbench.model.effects.context import middle_rad
 from usmbench.model.effects.lone_windows import LoneWindows, SporadicEffect, Weighed
 from usmbench.model.effects.registry import library
 
@@ -46,13 +45,13 @@ class Sporadic:
         Square of the windows that it may have struck, over the noise's: where the motor moves, of
         those that stand alone, and are no further off than where it runs steadily.
     touched
-        Windows of each stretch that it may move, shape (N,); None where chance says which.
+        Windows of each stretch that it may move though they do not stand alone, shape (N,).
     """
 
     applied: Applied
     named: NamedCause
     deviance: float
-    touched: list[Mask] | None
+    touched: list[Mask]
 
 
 def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -> Sporadic | None:
@@ -102,9 +101,7 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
         gain=0.0,  # no simulation foresees which windows it strikes
     )
     applied = Applied(effect, {e.name: e.value for e in estimates})
-    rows_touched = effect.touched(windows, every)
-    ends = np.cumsum([r.size for r in left])[:-1]
-    touched = None if rows_touched is None else np.split(rows_touched, ends)
+    touched = np.split(effect.touched(windows, every), np.cumsum([r.size for r in left])[:-1])
     return Sporadic(applied, named, _deviance(problem, left, alone), touched)
 
 
@@ -112,7 +109,7 @@ def _windows(problem: Problem, left: Sequence[Array], alone: StandingAlone) -> L
     """Return all windows, stretch after stretch."""
     stretches = problem.stretches
     turns_rad = [0.5 * np.abs(s.speed_rad_s) * s.context.window_s for s in stretches]
-    middles_rad = np.concatenate([_angle_rad(s) for s in stretches])
+    middles_rad = np.concatenate([s.context.turned_rad(s.speed_rad_s) for s in stretches])
     return LoneWindows(
         np.concatenate([s.simulated_rad_s for s in stretches]),
         # A counter's steps leave every window of a hold off by the same part of a count.
@@ -123,14 +120,6 @@ def _windows(problem: Problem, left: Sequence[Array], alone: StandingAlone) -> L
         np.concatenate([np.full(s.context.n, s.run) for s in stretches]),
         stretches[0].context.window_s,
     )
-
-
-def _angle_rad(stretch: Stretch) -> Array:
-    """Return the shaft's angle in the middle of each window, by the counter, shape (N,)."""
-    context = stretch.context
-    if context.angle_rad is None:
-        return middle_rad(stretch.speed_rad_s, context.window_s)
-    return context.angle_rad
 
 
 def _strikes_slow_ones(windows: LoneWindows) -> bool:

@@ -58,6 +58,7 @@ class Effect(ABC):
     form_off: ClassVar[float] = PHYSICS  # share of itself by which its form may be off
     early: ClassVar[bool] = False  # the other effects of its stage act on what it leaves
     sporadic: ClassVar[bool] = False  # it acts on single windows; see `SporadicEffect`
+    left_out: ClassVar[bool] = False  # the windows that a sporadic one may move count in nothing
 
     def __init_subclass__(cls, **options: Any) -> None:
         """See that a cause of the user's own tells in one line what it does wrong."""

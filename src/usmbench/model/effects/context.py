@@ -65,6 +65,18 @@ class Context:
         """Share of each window in which the motor was driven, shape (N,)."""
         return self.driving.share_at(self.t_s)
 
+    def turned_rad(self, speed_rad_s: Array) -> Array:
+        """Return the shaft's angle in the middle of each window, shape (N,).
+
+        Parameters
+        ----------
+        speed_rad_s
+            Its speed, shape (N,), which is added up where no counter says the angle.
+        """
+        if self.angle_rad is None:
+            return middle_rad(speed_rad_s, self.window_s)
+        return self.angle_rad
+
     def moved_rad_s(self, phase_deg: Array) -> Array:
         """Return what the settled speed gains at other phases than those commanded, shape (N,).
 

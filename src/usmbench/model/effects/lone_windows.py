@@ -12,6 +12,10 @@ from usmbench.model.effects.base import Array, Effect
 from usmbench.model.effects.context import Context
 
 Interval = tuple[float, float, float]
+AS_LIKELY = 1.92
+"""Of a log-likelihood: 95 % of χ² with one degree of freedom, halved (Wilks 1938)."""
+STRAY = 0.02
+"""Of the windows that stand alone: off the other way, or where a cause has no part."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +124,7 @@ class Weighed:
 
 
 class SporadicEffect(Effect):
-    """A cause that strikes single windows, of which no simulation foresees which.
+    """A cause that strikes single windows; no simulation foresees which.
 
     One of its parameters is `rate_hz`, how often.
     """
@@ -154,10 +158,10 @@ class SporadicEffect(Effect):
             The windows, of which some stand alone.
         """
 
-    def touched(self, windows: LoneWindows, every: LoneWindows) -> NDArray[np.bool_] | None:
+    def touched(self, windows: LoneWindows, every: LoneWindows) -> NDArray[np.bool_]:
         """Return which windows it may move though they do not stand alone, shape of `every`.
 
-        They are left out of all else. None where that is left to chance: all count in full.
+        Of one that is `left_out`, these are; of the others, whose windows chance chooses, none.
 
         Parameters
         ----------
@@ -166,4 +170,4 @@ class SporadicEffect(Effect):
         every
             All windows.
         """
-        return None
+        return np.zeros(every.alone.size, dtype=np.bool_)

@@ -9,7 +9,13 @@ import numpy as np
 
 from usmbench.model.effects.base import Array, Effect, Mask, Values
 from usmbench.model.effects.context import Context, highest_settled_rad_s
-from usmbench.model.effects.lone_windows import LoneWindows, SporadicEffect, Weighed
+from usmbench.model.effects.lone_windows import (
+    AS_LIKELY,
+    STRAY,
+    LoneWindows,
+    SporadicEffect,
+    Weighed,
+)
 from usmbench.model.effects.parameter import Parameter
 
 _MEANING = "The counter loses counts above some speed."
@@ -29,9 +35,7 @@ _THRESHOLD = Parameter(
 )
 _SEED = 19_360_404
 _ALIKE = 9  # decimals of a speed in rad/s: levels of a staircase differ by rounding
-_AS_LIKELY = 1.92  # of the log-likelihood: 95 % of χ² with one degree of freedom, halved
 _OTHERS = 101  # speeds, struck or not, at which losses may begin, from the least to the highest
-_STRAY = 0.02  # of the windows that stand alone: too fast, or below the speed
 
 
 class LostExcess(Effect):
@@ -206,7 +210,7 @@ class LostNowAndThen(SporadicEffect):
         begins = np.unique(np.r_[fast[alone], slower]).tolist()
         likely = np.array([_log_likelihood(windows, fast >= speed) for speed in begins])
         best = int(np.argmax(likely))
-        as_well = np.flatnonzero(likely > likely[best] - _AS_LIKELY)
+        as_well = np.flatnonzero(likely > likely[best] - AS_LIKELY)
         low, below = (
             float(np.max(fast[fast < begins[k]], initial=0.0)) for k in (as_well[0], best)
         )
@@ -224,8 +228,8 @@ def _log_likelihood(windows: LoneWindows, above: Mask) -> float:
     """Log-likelihood of the windows that stand alone, if these above some speed lose counts."""
     alone = windows.alone
     slow = windows.deviation_rad_s * np.sign(windows.speed_rad_s) < 0.0
-    odds = np.mean(alone[above]) * np.where(above, 1.0, _STRAY)
-    way = np.where(above, np.where(slow, 1.0 - _STRAY, _STRAY), 0.5)
+    odds = np.mean(alone[above]) * np.where(above, 1.0, STRAY)
+    way = np.where(above, np.where(slow, 1.0 - STRAY, STRAY), 0.5)
     return float(np.sum(np.log(odds * way)[alone]) + np.sum(np.log1p(-odds[~alone])))
 
 
