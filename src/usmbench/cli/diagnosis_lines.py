@@ -30,10 +30,9 @@ def diagnosis_lines(found: Diagnosis) -> str:
             f"noise {found.noise_floor_rad_s:.4g} (held out)",
         )
     )
-    if found.causes:
-        lines.append(
-            _line("gain", f"{found.gain:.3f} ({found.gain_low:.3f} … {found.gain_high:.3f})")
-        )
+    if found.foretells:
+        gain = f"{found.gain:.3f} ({found.gain_low:.3f} … {found.gain_high:.3f})"
+        lines.append(_line("gain", gain))
     if found.remainder is not None:
         lines.append(_line("remainder", found.remainder.says))
     lines += _next(found)

@@ -7,13 +7,19 @@ import numpy as np
 
 from usmbench.diagnose.cutting.command_times import unknown_moments
 from usmbench.diagnose.cutting.long_runs import long_warming
+from usmbench.diagnose.described_alone import (
+    entries_with,
+    lone_views,
+    named_alone,
+    said_alone,
+)
 from usmbench.diagnose.evidence import Candidate, Estimate, NamedCause, strongest_first
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.foretold import GROSS, foretold_rad_s
 from usmbench.diagnose.fitting.gain import held_out_gain
 from usmbench.diagnose.fitting.intervals import intervals
 from usmbench.diagnose.fitting.wave_sizes import wave_sizes
-from usmbench.diagnose.held import Held
+from usmbench.diagnose.held import Held, counted_alone
 from usmbench.diagnose.naming.began_warm import warm_warnings
 from usmbench.diagnose.naming.beside_verdict import said_beside
 from usmbench.diagnose.naming.chance import chancy_of
@@ -24,7 +30,6 @@ from usmbench.diagnose.naming.left_wave import left_wave_hz
 from usmbench.diagnose.naming.ranking import Ranked, alternatives, best_forms
 from usmbench.diagnose.naming.remainder import LOUD, Beyond, describe
 from usmbench.diagnose.naming.run_to_run import sizes_by_run
-from usmbench.diagnose.naming.sporadic import left_unnamed
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.views import residual_views
 from usmbench.diagnose.result import Diagnosis, Remainder, Trace, Verdict, View
@@ -60,8 +65,7 @@ def described(
     """
     found, gain = held.found, held.gain
     problem, fit = found.problem, found.fit
-    singles = () if held.sporadic is None else (held.sporadic.applied,)
-    effects = [applied.to_mapping() for applied in (*fit.effects, *singles)]
+    effects = [applied.to_mapping() for applied in fit.effects]
     views = residual_views(problem, found.left_rad_s, found.spread)
     loud = held.left_over > LOUD and (_shown(views) or _scatters(found))
     if held.verdict == "explained" and loud:
@@ -81,8 +85,9 @@ def described(
         remainder=None if silent else _remainder(found, views),
         minimum_detectable=smallest_sizes(problem, testable, found.spread, found.ranked),
         views=views,
+        lone_views=lone_views(held),
         traces=tuple(_traces(problem, fit)),
-        extended=replace(model, effects=(*model.effects, *effects)),
+        extended=replace(model, effects=(*entries_with(held, model), *effects)),
         n_windows=problem.n_rows,
         warnings=(*warnings, *_one_run(model, held.verdict), *_warnings(held)),
         left_over=held.left_over,
@@ -129,17 +134,7 @@ def _warnings(held: Held) -> Iterator[str]:
     yield from sizes_by_run(found.problem, found.fit, found.spread)
     yield from _hidden(held)
     yield from _no_news(held)
-    if held.sporadic is not None:
-        name = held.sporadic.named.name
-        if held.sporadic.applied.effect.left_out:
-            yield f"windows that {name} may have struck are left out of all other figures"
-        else:
-            yield (
-                f"no simulation foresees which windows {name} strikes: they count in full, before "
-                "and after"
-            )
-    else:
-        yield from left_unnamed(found.problem, found.fit.effects, found.spread)
+    yield from said_alone(held)
     yield from warm_warnings(found.problem.known.began_warm, found.if_cold)
     wander = found.problem.known.wander
     if wander.knows_warming:
@@ -161,7 +156,7 @@ def _no_news(held: Held) -> Iterator[str]:
     """Say where a verdict leaves plainly more than the noise: what the model may be off by."""
     left, noise = held.gain.rmse_extended_rad_s, held.gain.noise_floor_rad_s
     every = (*held.found.problem.own, *held.found.fit.effects)
-    by_chance = held.sporadic is not None or chancy_of(every)
+    by_chance = counted_alone(held.sporadic) or chancy_of(every)
     if held.verdict in _SILENT and not by_chance and left > LOUD * noise:
         yield (
             f"{left:.3g} rad/s are left where the noise is {noise:.2g}: no more than the model may "
@@ -173,7 +168,7 @@ def _causes(held: Held) -> list[NamedCause]:
     """Describe the named causes, the strongest first."""
     found = held.found
     problem, fit, spread = found.problem, found.fit, found.spread
-    ranges, alone = intervals(problem, fit, spread), held.sporadic is not None
+    ranges, alone = intervals(problem, fit, spread), counted_alone(held.sporadic)
     waves = wave_sizes(problem, fit, spread)
     causes = []
     for k, (ranking, applied) in enumerate(zip(found.named, fit.effects, strict=True)):
@@ -197,11 +192,10 @@ def _causes(held: Held) -> list[NamedCause]:
             )
         )
     causes = strongest_first(causes)
-    if held.sporadic is not None:
-        most = max((ranking[0].statistic for ranking in found.named), default=0.0)
-        strongest = held.sporadic.deviance > most * spread**2
-        causes.insert(0 if strongest else len(causes), held.sporadic.named)
-    return causes
+    most = max((ranking[0].statistic for ranking in found.named), default=0.0)
+    strongest = sum(cause.deviance for cause in held.sporadic) > most * spread**2
+    singles = named_alone(held)
+    return [*singles, *causes] if strongest else [*causes, *singles]
 
 
 def _estimates(applied: Applied, ranges: dict[str, tuple[float, float]]) -> tuple[Estimate, ...]:

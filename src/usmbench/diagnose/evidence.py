@@ -59,6 +59,8 @@ class NamedCause:
         Share of the held-out mean square above the noise floor that this cause removes.
     waves
         Amplitude and angle of those parameters that are a cosine and a sine of one quantity.
+    single
+        Whether it strikes single windows: no simulation foresees which.
     """
 
     name: str
@@ -70,6 +72,7 @@ class NamedCause:
     p_value: float
     gain: float
     waves: tuple[Estimate, ...] = ()
+    single: bool = False
 
     def to_json(self) -> dict[str, Any]:
         """Return the mapping that the contract asks for."""

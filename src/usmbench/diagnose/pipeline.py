@@ -70,7 +70,7 @@ def searched(stretches: Sequence[Stretch], model: HammersteinModel) -> Found:
     marked, own = at_unknown_moments(stretches, late_s), own_effects(model)
     marked = following_guesses(marked, known.features, known.mean)
     found = search(marked, known, own, effects)
-    says = verdict_on(found, None)
+    says = verdict_on(found, 0.0)
     if says == "no_discrepancy":
         return found
     start = WarmStart.of(found)
@@ -96,8 +96,8 @@ def _diagnosed(
         if reason is not None and all(e.name != name for e in testable):
             refused[name] = reason
     stands = held(searched(stretches, model))
-    if stands.sporadic is not None and stands.sporadic.applied.effect.left_out:
-        pairs = zip(stretches, stands.sporadic.touched, strict=True)
-        others = [replace(s, use=s.use & ~rows) for s, rows in pairs]
-        stands = held(searched(others, model), stands.sporadic)
+    while stands.leaves_out:
+        pairs = zip(stretches, stands.sporadic[-1].touched, strict=True)
+        stretches = [replace(s, use=s.use & ~rows) for s, rows in pairs]
+        stands = held(searched(stretches, model), stands.sporadic)
     return described(stands, model, testable, tuple(refused.items()), warnings)

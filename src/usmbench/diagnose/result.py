@@ -50,6 +50,32 @@ class View:
 
 
 @dataclass(frozen=True, slots=True)
+class LoneView:
+    """Windows that stand alone, against what sets those of a cause apart.
+
+    Parameters
+    ----------
+    cause
+        Name of the cause.
+    label
+        The quantity and its unit, for an axis.
+    at
+        The quantity in each of the windows, shape (K,).
+    off_rad_s
+        By how much more than in the windows beside it each measured speed is off, shape (K,).
+    rivals
+        Each other cause of single windows, and by how much less likely it makes these: twice the
+        difference of the log-likelihoods.
+    """
+
+    cause: str
+    label: str
+    at: Array
+    off_rad_s: Array
+    rivals: tuple[tuple[str, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Trace:
     """A run for plotting: at most a few thousand windows, evenly picked.
 
@@ -120,6 +146,8 @@ class Diagnosis:
         Windows that were judged.
     warnings
         What the user ought to know, one sentence each.
+    lone_views
+        One for each place or cause of single windows that is named.
     left_over
         The rms of what the extended model leaves, over that which the model's own runs show.
     next_experiment
@@ -143,8 +171,14 @@ class Diagnosis:
     extended: HammersteinModel
     n_windows: int
     warnings: tuple[str, ...] = ()
+    lone_views: tuple[LoneView, ...] = ()
     left_over: float = 1.0
     next_experiment: dict[str, Any] | None = None
+
+    @property
+    def foretells(self) -> bool:
+        """Whether a simulation can follow one of the causes."""
+        return any(not cause.single for cause in self.causes)
 
     def to_json(self) -> dict[str, Any]:
         """Return the mapping that ``diagnose --json`` writes."""

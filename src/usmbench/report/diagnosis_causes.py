@@ -47,6 +47,12 @@ def _card(cause: NamedCause) -> str:
     return (
         f'<div class="cause"><h3>{escaped(spelled(cause.name))}{form}</h3>'
         f"<p>{escaped(cause.meaning)}</p><p><b>On the bench:</b> {escaped(cause.mend)}</p>"
-        f"{tied}{sizes}<p>p {escaped(probability(cause.p_value))}; it removes "
-        f"{percent(cause.gain)} of the held-out error above the noise.</p></div>"
+        f"{tied}{sizes}<p>p {escaped(probability(cause.p_value))}; {_gain(cause)}.</p></div>"
     )
+
+
+def _gain(cause: NamedCause) -> str:
+    """Say what it is worth to know the cause."""
+    if cause.single:
+        return "no simulation foresees which windows it strikes: to know it removes no error"
+    return f"it removes {percent(cause.gain)} of the held-out error above the noise"

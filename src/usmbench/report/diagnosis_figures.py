@@ -5,7 +5,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from usmbench.diagnose.result import Trace, View
+from usmbench.diagnose.result import LoneView, Trace, View
 from usmbench.report.diagnosis_svg import Axis, Panel, data_range, drawing
 from usmbench.report.thinning import thinned
 
@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 _LEFT_PX = 68.0
 _RIGHT_PX = 8.0
 _VIEW_PX = (340.0, 230.0)
+_MOST_MARKS = 1000  # more are one blot
 # A few windows at large steps of φ would flatten all others: their residual is cut at the edge.
 _BEYOND = 0.004
 # Text keeps its size on a telephone only if the drawing is made for its width.
@@ -111,6 +112,28 @@ def view_figure(view: View, *, extended: bool) -> str:
         parts.append(panel.line(view.centre, view.after_rad_s, "after"))
         parts.append(panel.marks(view.centre, view.after_rad_s, _MARKS["after"], "after mark"))
     return drawing(width_px, height_px, f"Mean residual against {view.label}", parts, "view")
+
+
+def marks_figure(view: LoneView) -> str:
+    """Return a mark for each window that stands alone.
+
+    Parameters
+    ----------
+    view
+        The windows; of many, some of them evenly picked.
+    """
+    width_px, height_px = _VIEW_PX
+    rows = np.unique(np.linspace(0, view.at.size - 1, min(view.at.size, _MOST_MARKS)).astype(int))
+    x = Axis(*data_range(view.at), _LEFT_PX, width_px - _RIGHT_PX)
+    y = Axis(*data_range(view.off_rad_s, np.zeros(1)), height_px - 42.0, 8.0)
+    panel = Panel(x, y, view.label, "off by (rad/s)")
+    parts = [
+        panel.frame(),
+        panel.line(np.array([x.low, x.high]), np.zeros(2), "zero"),
+        panel.marks(view.at[rows], view.off_rad_s[rows], _MARKS["before"], "before mark"),
+    ]
+    title = f"Windows that stand alone: how far off they are, against {view.label}"
+    return drawing(width_px, height_px, title, parts, "view")
 
 
 def legend(*entries: tuple[str, str]) -> str:

@@ -6,6 +6,7 @@ from pathlib import Path
 from usmbench.diagnose.result import Diagnosis
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.report.diagnosis_causes import causes_section
+from usmbench.report.diagnosis_lone import lone_section
 from usmbench.report.diagnosis_sections import (
     driven_section,
     evidence_section,
@@ -123,6 +124,7 @@ def _sections(
     for warning in diagnosis.warnings:
         yield f'<p class="warning">{escaped(warning)}</p>'
     yield traces_section(diagnosis)
+    yield lone_section(diagnosis)
     yield views_section(diagnosis)
     yield evidence_section(diagnosis)
     yield causes_section(diagnosis)

@@ -45,7 +45,7 @@ def figures_section(diagnosis: Diagnosis) -> str:
             noise_note(diagnosis),
         ),
     ]
-    if diagnosis.causes:
+    if diagnosis.foretells:
         interval = f"{percent(diagnosis.gain_low)} … {percent(diagnosis.gain_high)}"
         extended = f"{number(diagnosis.rmse_extended_rad_s)} rad/s"
         entries[1:1] = [("Error with the cause in it", extended, "on data the fit never saw")]
@@ -56,7 +56,7 @@ def figures_section(diagnosis: Diagnosis) -> str:
         f"<div><dt>{name}</dt><dd>{value}<small>{note}</small></dd></div>"
         for name, value, note in entries
     )
-    share = f'<p class="note">{_OF_THE_ERROR}</p>' if diagnosis.causes else ""
+    share = f'<p class="note">{_OF_THE_ERROR}</p>' if diagnosis.foretells else ""
     return f'<dl class="figures">{cells}</dl>{share}'
 
 
@@ -68,7 +68,7 @@ def traces_section(diagnosis: Diagnosis) -> str:
     diagnosis
         What was found.
     """
-    extended = bool(diagnosis.causes)
+    extended = diagnosis.foretells
     above = [("measured", "measured"), ("before", "simulation")]
     below = [("before dense", "what the simulation leaves")]
     if extended:
@@ -100,7 +100,7 @@ def views_section(diagnosis: Diagnosis) -> str:
     diagnosis
         What was found.
     """
-    extended = bool(diagnosis.causes)
+    extended = diagnosis.foretells
     entries = [("band", "band of a run that is as simulated"), ("before marked", "simulation")]
     if extended:
         entries.append(("after marked", _WITH_CAUSE))

@@ -76,11 +76,11 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
             "do not take anything apart on the strength of this page."
         )
     causes = " and ".join(_named(cause) for cause in diagnosis.causes)
-    return (
-        f"The motor departs from its simulation because of {causes}; knowing this removes "
-        f"{percent(diagnosis.gain)} of the error above the noise"
-        + (", and what is left has no name here." if diagnosis.verdict != "explained" else ".")
-    )
+    gains = "single windows are struck, and no simulation foresees which"
+    if diagnosis.foretells:
+        gains = f"knowing this removes {percent(diagnosis.gain)} of the error above the noise"
+    left = ", and what is left has no name here" if diagnosis.verdict != "explained" else ""
+    return f"The motor departs from its simulation because of {causes}; {gains}{left}."
 
 
 def _named(cause: NamedCause) -> str:

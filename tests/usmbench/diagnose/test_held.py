@@ -25,7 +25,7 @@ def test_names_that_do_not_stand_say_nothing_against_false_counts(false_counts: 
     nothing = Fit((applied("phase_offset", "", offset_deg=1e-4),), 0.0, 0.0)
     three = replace(found, named=[found.ranked] * 3, fit=nothing)  # more than may be named
     stands = held(three)
-    names = [] if stands.sporadic is None else [stands.sporadic.named.name]
+    names = [cause.named.name for cause in stands.sporadic]
     assert not stands.found.named
     assert (stands.verdict, names) == (
         ("explained", ["count_glitches"]) if false_counts else ("unexplained", [])

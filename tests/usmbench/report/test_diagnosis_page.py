@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from usmbench.diagnose.evidence import Estimate
-from usmbench.diagnose.result import Diagnosis
+from usmbench.diagnose.result import Diagnosis, LoneView
 from usmbench.errors import InputError
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.report.diagnosis_page import diagnosis_page, write_diagnosis_page
@@ -58,6 +58,41 @@ def read(page: str) -> Reader:
 @pytest.fixture
 def show(record: Record, model: HammersteinModel) -> Callable[[Diagnosis], str]:
     return lambda diagnosis: diagnosis_page(diagnosis, [record], model, {"model.yaml": "ab" * 32})
+
+
+def test_windows_that_stand_alone_are_shown_and_gain_nothing(
+    make_diagnosis: Make, show: Callable[[Diagnosis], str]
+) -> None:
+    hidden = "shaft angle from the gap (rad)" + HOSTILE
+    seen = LoneView(
+        "damaged_disc",
+        hidden,
+        np.array([0.0, 0.1, 2.0]),
+        np.array([-1.0, -1.1, 0.7]),
+        (("count_glitches", 123.4), ("missed_counts", np.inf)),
+    )
+    (cause,) = make_diagnosis().causes
+    single = replace(cause, name="damaged_disc", alternatives=(), gain=0.0, single=True)
+    page = show(make_diagnosis(causes=(single,), lone_views=(seen,), gain=0.0))
+    said = read(page).text.replace("\N{NO-BREAK SPACE}", " ")
+    assert "damaged disc: 3 windows" in said
+    assert "Evidence against others: count glitches 123, missed counts does not fit" in said
+    assert "single windows are struck, and no simulation foresees which" in said
+    assert "to know it removes no error" in said
+    assert "0 %" not in said.partition("Evidence, cause by cause")[0]
+    assert len(re.findall(r"m-3\.2 0a", page)) >= 3
+    assert page.index('id="lone"') < page.index('id="views"')
+    assert "<script" not in page
+    assert 'id="lone"' not in show(make_diagnosis())
+
+
+def test_of_many_windows_that_stand_alone_some_are_drawn(
+    make_diagnosis: Make, show: Callable[[Diagnosis], str]
+) -> None:
+    far = np.linspace(-1.0, 1.0, 5000)
+    page = show(make_diagnosis(lone_views=(LoneView("count_glitches", "x", far, far, ()),)))
+    assert "5000 windows" in page
+    assert page.count("a3.2 3.2 0 1 0 6.4 0") <= 1100
 
 
 def test_the_page_says_everything_once(

@@ -58,6 +58,8 @@ class Knowledge:
     began_warm
         Names of runs that look as if the motor had been warm when they began; where there are any,
         each run may have begun so.
+    sporadic
+        The model's effects that strike single windows.
     """
 
     noise: Noise | None
@@ -69,6 +71,18 @@ class Knowledge:
     habits: tuple[dict[str, Any], ...] = ()
     stated_rad_s: float = 0.0
     began_warm: tuple[str, ...] = ()
+    sporadic: tuple[Applied, ...] = ()
+
+    def expected_spikes_hz(self, *, with_left_out: bool) -> float:
+        """Return how often a window stands alone, by the identified runs and the model's effects.
+
+        Parameters
+        ----------
+        with_left_out
+            Whether effects count whose windows are left out where they are found.
+        """
+        counted = (a for a in self.sporadic if with_left_out or not a.effect.left_out)
+        return self.spikes_hz + sum(a.values["rate_hz"] for a in counted)
 
     @property
     def habit_names(self) -> frozenset[str]:

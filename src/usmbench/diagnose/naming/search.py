@@ -162,7 +162,7 @@ def _leaves_nothing(weighed: _Weighed, found: Found, effects: Sequence[Effect]) 
         ranked = [rival, *(r for r in weighed.ranked if r is not rival)]
         other = weighed.found(name_causes(weighed.problem, ranked, effects, weighed.spread))
         begins = other.names[:1] == (rival.effect.name,)
-        if begins and not other.after.material and verdict_on(other, None) == "explained":
+        if begins and not other.after.material and verdict_on(other, 0.0) == "explained":
             return other
     return None
 
@@ -199,7 +199,7 @@ def _if_it_stands(weighed: _Weighed, pair: Named | None, found: Found) -> Found:
         return found
     both = weighed.found(pair)
     quiet = both.spread <= _AS_QUIET * found.spread
-    stands = quiet and verdict_on(both, None) in STANDS
+    stands = quiet and verdict_on(both, 0.0) in STANDS
     return both if stands else found
 
 
@@ -233,7 +233,7 @@ def _mostly_left_out(found: Found) -> bool:
 
 def _unclear(found: Found) -> bool:
     """Whether something is wrong that the names do not explain."""
-    return verdict_on(found, None) == "unexplained" or found.spread > LOUD
+    return verdict_on(found, 0.0) == "unexplained" or found.spread > LOUD
 
 
 def _white(noise: Noise) -> Noise:

@@ -1,32 +1,30 @@
 """Causes that strike single windows named: those that stand alone, and what sets them apart."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import ks_2samp, poisson
 
 from usmbench.diagnose.cutting.stretches import Mask, came_from
-from usmbench.diagnose.evidence import Estimate, NamedCause
-from usmbench.diagnose.naming.apart_windows import away_rad_s, beyond, scatter_rad_s
-from usmbench.diagnose.naming.ranking import NO_CHANCE, SIGNIFICANT, TELLING
-from usmbench.diagnose.naming.standing_alone import StandingAlone, clear_rows
-from usmbench.diagnose.noise.rotor_states import moved_rad_s, steady
+from usmbench.diagnose.evidence import NamedCause
+from usmbench.diagnose.naming.apart_windows import away_rad_s, scatter_rad_s
+from usmbench.diagnose.naming.lone_kinds import lone_kinds
+from usmbench.diagnose.naming.ranking import NO_CHANCE, SIGNIFICANT
+from usmbench.diagnose.naming.standing_alone import StandingAlone
 from usmbench.diagnose.noise.spikes import apart, are_exceptions
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.residual.whole import PLAIN_P_VALUE
+from usmbench.diagnose.result import LoneView
 from usmbench.model.applied import Applied
-from usmbench.model.effects.lone_windows import LoneWindows, SporadicEffect, Weighed
-from usmbench.model.effects.registry import library
+from usmbench.model.effects.lone_windows import LoneWindows
 
 Array = NDArray[np.float64]
 
 # Far out without a neighbour, at places that do not repeat each other: fewer may be knocks, or
 # where a plan has a rotor start, time and again.
 _FEWEST = 3
-_TOLD = 2  # healthy runs have one now and then
-_BEYOND = 2.0  # times the highest speed
 _OF_SCATTER = 5.0  # standard deviations of the windows around
 _AS_USUAL = 2.0  # times the rate of the identified runs: their plans differ
 
@@ -41,20 +39,35 @@ class Sporadic:
         The effect for the extended model.
     named
         The cause for the result.
+    is_news
+        Whether the model does not have it yet, or not as large.
     deviance
         Square of the windows that it may have struck, over the noise's: where the motor moves, of
-        those that stand alone, and are no further off than where it runs steadily.
+        those that stand alone, and are no further off than where it runs steadily. Of what is no
+        news 0.
     touched
         Windows of each stretch that it may move though they do not stand alone, shape (N,).
+    lacks_rad
+        By how much a revolution is less by a counter where it is.
+    seen
+        The windows that stand alone, for a figure.
     """
 
     applied: Applied
     named: NamedCause
+    is_news: bool
     deviance: float
     touched: list[Mask]
+    lacks_rad: float
+    seen: LoneView
 
 
-def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -> Sporadic | None:
+def find_sporadic(
+    problem: Problem,
+    effects: Sequence[Applied],
+    spread: float,
+    left_out: Sequence[Sporadic] = (),
+) -> Sporadic | None:
     """Name a sporadic cause where enough windows stand alone.
 
     Parameters
@@ -65,15 +78,19 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
         The other causes. Where one of them strikes by chance, its scatter covers what stands alone.
     spread
         Standard deviation of the whitened noise: in one that has grown, no window stands alone.
+    left_out
+        Causes whose windows are left out.
     """
     left = problem.left_rad_s(effects)
     alone = StandingAlone.of(problem, effects, spread)
     rows = np.concatenate(alone.calm)
-    every = _windows(problem, left, alone)
+    lacks_rad = sum(cause.lacks_rad for cause in left_out)
+    every = replace(_windows(problem, left, alone), lacks_rad=lacks_rad)
     windows = every.of(rows)
     before = [came_from(s.settled_rad_s, s.step_rad_s, s.lag) for s in problem.stretches]
     places = np.unique(np.concatenate(before)[rows][windows.alone])
-    p_value = _p_value(windows, problem.known.spikes_hz)
+    known = problem.known
+    p_value = _p_value(windows, known.spikes_hz)
     if places.size < _FEWEST or p_value > SIGNIFICANT:
         return None
     if not are_exceptions(problem.stretches, left, alone.plain, alone.calm):
@@ -84,25 +101,27 @@ def find_sporadic(problem: Problem, effects: Sequence[Applied], spread: float) -
         or _among_scatter(problem, left, alone)
     ):
         return None
-    kinds = [effect for effect in library() if isinstance(effect, SporadicEffect)]
-    weighed = [(effect, effect.weigh(windows)) for effect in kinds]
-    weighed.sort(key=lambda pair: -pair[1].log_likelihood)
-    (effect, best), *others = weighed
-    near = [e.name for e, w in others if 2.0 * (best.log_likelihood - w.log_likelihood) < TELLING]
-    estimates = _estimates(effect, best)
-    named = NamedCause(
-        effect.name,
-        effect.form,
-        effect.meaning,
-        effect.mend,
-        tuple(near),
-        estimates,
-        p_value,
-        gain=0.0,  # no simulation foresees which windows it strikes
+    likeliest, *others = lone_kinds(windows)
+    near = [likeliest, *(kind for kind in others if kind.is_near)]
+    kind = next((k for k in near if k.is_in(known.sporadic)), likeliest)
+    is_news = not kind.is_in(known.sporadic)
+    oftener = _p_value(windows, known.expected_spikes_hz(with_left_out=False))
+    # How often a place of the disc passes is a matter of the plan.
+    if oftener <= SIGNIFICANT and not kind.effect.left_out:
+        p_value, is_news = oftener, True
+    if not (is_news or kind.effect.left_out):
+        return None
+    rivals = [other for other in (likeliest, *others) if other is not kind]
+    ends = np.cumsum([r.size for r in left])[:-1]
+    return Sporadic(
+        kind.applied,
+        kind.named(rivals, p_value),
+        is_news,
+        _deviance(problem, left, alone) if is_news else 0.0,
+        np.split(kind.effect.touched(windows, every), ends),
+        kind.effect.lacks_rad(kind.applied.values),
+        kind.seen(rivals, windows),
     )
-    applied = Applied(effect, {e.name: e.value for e in estimates})
-    touched = np.split(effect.touched(windows, every), np.cumsum([r.size for r in left])[:-1])
-    return Sporadic(applied, named, _deviance(problem, left, alone), touched)
 
 
 def _windows(problem: Problem, left: Sequence[Array], alone: StandingAlone) -> LoneWindows:
@@ -163,64 +182,23 @@ def _deviance(problem: Problem, left: Sequence[Array], alone: StandingAlone) -> 
     return deviance
 
 
-def left_unnamed(problem: Problem, effects: Sequence[Applied], spread: float) -> list[str]:
-    """Say of each stretch how many windows are not judged for standing alone.
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    effects
-        The causes that are named.
-    spread
-        Standard deviation of the whitened noise, at least 1.
-
-    Returns
-    -------
-    list of str
-        A warning for each stretch that has such windows, for no move of its motor.
-    """
-    found = []
-    left = problem.left_rad_s(effects)
-    clear = clear_rows(problem, effects)
-    not_judged = [
-        (steady(s) | s.use & (np.abs(r) > moved_rad_s(s))) & ~mask & c
-        for s, r, mask, c in zip(problem.stretches, left, problem.masks, clear, strict=True)
-    ]
-    far = beyond(problem, left, not_judged, spread)
-    for stretch, rows, residual in zip(problem.stretches, far, left, strict=True):
-        off_rad_s = np.abs(residual[rows])
-        duration_s = stretch.context.n * stretch.context.window_s
-        top_rad_s = float(np.max(np.abs(stretch.simulated_rad_s), initial=0.0))
-        many = off_rad_s.size >= max(_TOLD, _usual(problem.known.spikes_hz, duration_s))
-        # No motor does that, not even once.
-        if many or np.max(off_rad_s, initial=0.0) > _BEYOND * top_rad_s > 0.0:
-            found.append(
-                f"{stretch.name}: windows that stand alone are not judged: "
-                f"{off_rad_s.size}, off by up to {np.max(off_rad_s):.3g} rad/s; no cause is named "
-                "for them"
-            )
-    return found
-
-
 def _p_value(windows: LoneWindows, spikes_hz: float) -> float:
     """Probability of as many lone windows where nothing is wrong; 1 for no more than is usual."""
     count = int(np.count_nonzero(windows.alone))
-    usual = _usual(spikes_hz, windows.alone.size * windows.window_s)
+    usual = usual_windows(spikes_hz, windows.alone.size * windows.window_s)
     if count < usual:
         return 1.0
     return float(poisson.sf(count - 1, usual)) if usual > 0.0 else 0.0
 
 
-def _usual(spikes_hz: float, duration_s: float) -> float:
-    """How many windows stand alone where nothing is wrong: no two days are alike."""
+def usual_windows(spikes_hz: float, duration_s: float) -> float:
+    """Return how many windows stand alone where nothing is wrong: no two days are alike.
+
+    Parameters
+    ----------
+    spikes_hz
+        How often one does in a run with nothing wrong.
+    duration_s
+        How long the runs are.
+    """
     return _AS_USUAL * spikes_hz * duration_s
-
-
-def _estimates(effect: SporadicEffect, found: Weighed) -> tuple[Estimate, ...]:
-    """Describe the parameters."""
-    estimates = []
-    for p in effect.parameters:
-        low, value, high = found.values[p.name]
-        estimates.append(Estimate(p.name, value, low, high, p.unit, p.what))
-    return tuple(estimates)

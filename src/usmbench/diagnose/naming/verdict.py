@@ -8,7 +8,6 @@ for an explanation that leaves plainly more than the model's own runs show.
 from usmbench.diagnose.naming.chance import chancy_of, leaves_scatter
 from usmbench.diagnose.naming.found import LEFT_PARTLY, Found
 from usmbench.diagnose.naming.ranking import NO_CHANCE
-from usmbench.diagnose.naming.sporadic import Sporadic
 from usmbench.diagnose.residual.whole import PLAIN_P_VALUE, Whole, excused
 from usmbench.diagnose.result import Verdict
 
@@ -20,21 +19,21 @@ _MOSTLY = 0.5  # of what is off
 _LEFT_EXPLAINED = 0.08  # of what was off: names that leave less explain it
 
 
-def verdict_on(found: Found, sporadic: Sporadic | None) -> Verdict:
+def verdict_on(found: Found, struck: float) -> Verdict:
     """Say whether what is named may stand.
 
     Parameters
     ----------
     found
         What the search came to.
-    sporadic
-        The cause of windows that stand alone; None for none.
+    struck
+        Deviance of the windows that stand alone, where they have a cause; 0 for none.
     """
     if found.named:
         return _on_named(found)
     # Windows that stand alone are not the matter where most is wrong elsewhere.
     elsewhere = max(found.before.excess, _MOSTLY * found.off_in_all)
-    if sporadic is not None and sporadic.deviance > elsewhere:
+    if struck > elsewhere:
         return "explained" if found.before.p_value > PLAIN_P_VALUE else "partly_explained"
     return _on_nothing_named(found)
 

@@ -33,9 +33,8 @@ def known_of(model: HammersteinModel) -> Knowledge:
     model
         The model.
     """
-    known = knowledge_of(model)
-    struck_hz = [a.values["rate_hz"] for a in applied_effects(model.effects) if a.effect.sporadic]
-    return replace(known, spikes_hz=known.spikes_hz + sum(struck_hz))
+    sporadic = tuple(a for a in applied_effects(model.effects) if a.effect.sporadic)
+    return replace(knowledge_of(model), sporadic=sporadic)
 
 
 def cut_beside_own(

@@ -22,6 +22,7 @@ class CountGlitches(SporadicEffect):
     name = "count_glitches"
     meaning = "Isolated windows hold false counts: spikes that have nothing to do with the motion."
     mend = "Look at the encoder's cable, shield and ground; raise the counter's digital filter."
+    sizes = ("size_rad_s",)
     parameters = (
         Parameter(
             "rate_hz", "1/s", 0.0, 0.0, 100.0, 0.1, what="windows with a false count, per second"

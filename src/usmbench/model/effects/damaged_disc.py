@@ -1,5 +1,7 @@
 """Marks are missing at one place of the encoder's disc."""
 
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -8,7 +10,13 @@ from usmbench.model.effects.base import Array, Mask, Values
 from usmbench.model.effects.context import Context
 from usmbench.model.effects.lone_windows import LoneWindows, SporadicEffect, Weighed
 from usmbench.model.effects.parameter import Parameter
-from usmbench.model.effects.place_on_disc import TURN_RAD, passed, places, spares_slow_ones
+from usmbench.model.effects.place_on_disc import (
+    TURN_RAD,
+    Place,
+    passed,
+    places,
+    spares_slow_ones,
+)
 
 _BESIDE = 0.25  # of the missing angle: while it passes, the counter stands, to a count or so
 
@@ -24,6 +32,7 @@ class DamagedDisc(SporadicEffect):
     meaning = "At one place of the encoder's disc counts are missing, each time that it passes."
     mend = "Look at the disc at this angle for dirt or a scratch; clean it, or change the disc."
     left_out = True
+    sizes = ("missing_rad",)  # angles may begin anew
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter(
             "rate_hz", "1/s", 0.0, 0.0, 100.0, 0.1, what="windows in which it passes, per second"
@@ -79,12 +88,39 @@ class DamagedDisc(SporadicEffect):
         if not found or any(spares_slow_ones(*pair) for pair in own):
             return Weighed(-np.inf, {})
         first = next(iter(found.values()))
+        struck = replace(windows, alone=windows.alone & _struck(windows, found))
         values = {
-            "rate_hz": windows.rate_hz(np.ones(windows.alone.size, dtype=np.bool_)),
+            "rate_hz": struck.rate_hz(np.ones(struck.alone.size, dtype=np.bool_)),
             "missing_rad": first.missing_rad,
             "angle_rad": first.angle_rad,
         }
         return Weighed(sum(place.log_likelihood for place in found.values()), values)
+
+    def lacks_rad(self, values: Values) -> float:
+        """Return what is missing.
+
+        Parameters
+        ----------
+        values
+            As in `SporadicEffect.lacks_rad`.
+        """
+        return values["missing_rad"]
+
+    def shown_against(self, windows: LoneWindows) -> tuple[str, Array]:
+        """Return the shaft's angle from where marks are missing, half a revolution either way.
+
+        Parameters
+        ----------
+        windows
+            As in `SporadicEffect.shown_against`.
+        """
+        away_rad = np.zeros(windows.alone.size)
+        for run, place in places(windows).items():
+            rows = windows.run == run
+            turned_rad = 0.5 * (windows.from_rad + windows.to_rad)[rows] - place.angle_rad[1]
+            away_rad[rows] = np.remainder(turned_rad, place.turn_rad)
+            away_rad[rows] -= place.turn_rad * (away_rad[rows] > 0.5 * place.turn_rad)
+        return "shaft angle from the gap (rad)", away_rad
 
     def touched(self, windows: LoneWindows, every: LoneWindows) -> Mask:
         """Return the windows in which the place passes, also where they do not stand alone.
@@ -94,11 +130,16 @@ class DamagedDisc(SporadicEffect):
         windows, every
             As in `SporadicEffect.touched`.
         """
-        rows = np.zeros(every.alone.size, dtype=np.bool_)
-        for run, place in places(windows).items():
-            beside_rad = _BESIDE * place.missing_rad[1]
-            rows |= (every.run == run) & passed(every, place, beside_rad)
-        return rows
+        return _struck(every, places(windows))
+
+
+def _struck(windows: LoneWindows, found: Mapping[int, Place]) -> Mask:
+    """Return the windows that hold a part of the place of their run, shape (N,)."""
+    rows = np.zeros(windows.alone.size, dtype=np.bool_)
+    for run, place in found.items():
+        beside_rad = _BESIDE * place.missing_rad[1]
+        rows |= (windows.run == run) & passed(windows, place, beside_rad)
+    return rows
 
 
 FORMS = (DamagedDisc(),)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import binom, chi2
 
-from usmbench.model.effects.base import Array, Effect
+from usmbench.model.effects.base import Array, Effect, Values
 from usmbench.model.effects.context import Context
 
 Interval = tuple[float, float, float]
@@ -16,6 +16,7 @@ AS_LIKELY = 1.92
 """Of a log-likelihood: 95 % of χ² with one degree of freedom, halved (Wilks 1938)."""
 STRAY = 0.02
 """Of the windows that stand alone: off the other way, or where a cause has no part."""
+_ANOTHER = 1.5  # times a size: a scratch grows by whole lines. Nothing measured sets it
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +37,8 @@ class LoneWindows:
         Index of the window's run.
     window_s
         Duration of a window.
+    lacks_rad
+        By how much a revolution is less by the counter, for what strikes windows that are left out.
     """
 
     speed_rad_s: Array
@@ -45,6 +48,7 @@ class LoneWindows:
     to_rad: Array
     run: NDArray[np.int64]
     window_s: float
+    lacks_rad: float = 0.0
 
     @classmethod
     def of_one_run(
@@ -70,7 +74,7 @@ class LoneWindows:
         rows
             Which, shape (N,).
         """
-        columns = {f.name: getattr(self, f.name)[rows] for f in fields(self)[:-1]}
+        columns = {f.name: getattr(self, f.name)[rows] for f in fields(self)[:-2]}
         return replace(self, **columns)
 
     def rate_hz(self, among: NDArray[np.bool_]) -> Interval:
@@ -126,11 +130,13 @@ class Weighed:
 class SporadicEffect(Effect):
     """A cause that strikes single windows; no simulation foresees which.
 
-    One of its parameters is `rate_hz`, how often.
+    One of its parameters is `rate_hz`, how often. Where a model has the cause already, it is news
+    only if it strikes more often, or one of its `sizes` is another.
     """
 
     stage = "counter"
     sporadic: ClassVar[bool] = True
+    sizes: ClassVar[tuple[str, ...]] = ()  # parameters that are the same in every run
 
     @staticmethod
     def struck(draw: np.random.Generator, context: Context, rate_hz: float) -> NDArray[np.bool_]:
@@ -157,6 +163,42 @@ class SporadicEffect(Effect):
         windows
             The windows, of which some stand alone.
         """
+
+    def is_known(self, found: Weighed, values: Values) -> bool:
+        """Return whether what was found is as large as what is known.
+
+        Parameters
+        ----------
+        found
+            What was found.
+        values
+            The parameters that are known.
+        """
+        for name in self.sizes:
+            low, _, high = found.values[name]
+            if low > _ANOTHER * values[name] or high < values[name] / _ANOTHER:
+                return False
+        return True
+
+    def lacks_rad(self, values: Values) -> float:
+        """Return by how much a revolution is less by a counter where the cause is.
+
+        Parameters
+        ----------
+        values
+            Its parameters.
+        """
+        return 0.0
+
+    def shown_against(self, windows: LoneWindows) -> tuple[str, Array]:
+        """Return what a figure shows the windows against: its label with the unit, values (N,).
+
+        Parameters
+        ----------
+        windows
+            The windows that it was weighed by.
+        """
+        return "simulated speed (rad/s)", windows.speed_rad_s
 
     def touched(self, windows: LoneWindows, every: LoneWindows) -> NDArray[np.bool_]:
         """Return which windows it may move though they do not stand alone, shape of `every`.

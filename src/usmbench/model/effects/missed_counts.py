@@ -156,6 +156,7 @@ class LostNowAndThen(SporadicEffect):
 
     name = "missed_counts"
     form = "now and then"
+    sizes = ("lost_rad_s",)
     meaning = _MEANING
     mend = _MEND
     parameters = (

@@ -1,6 +1,7 @@
 """Where on an encoder's disc marks are missing, by the windows that stand alone."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,6 +13,10 @@ from usmbench.model.effects.lone_windows import AS_LIKELY, STRAY, Interval, Lone
 TURN_RAD = 2.0 * math.pi
 """A revolution of the shaft."""
 _TRIED = 5  # places in each window that stands alone
+# Of the windows that stand alone, how many do elsewhere, by another cause; what parts of them lack
+# less, of the sizes that are tried. Nothing measured sets these.
+_ELSEWHERE, _SIZES = (STRAY, 0.1, 0.25, 0.5), (0.1, 0.3, 0.5, 0.7, 0.9)
+_CHOSEN = len(_ELSEWHERE) * len(_SIZES) * (len(_SIZES) + 2)  # shares, sizes and turns
 # Times what is missing: slower windows may share it. Of the faster ones those that a limit would
 # spare. By how much of what is missing a counter that stands may move. Nothing measured sets them.
 _TIMES, _SLOWER, _STANDS = 2.0, 0.25, 0.1
@@ -37,17 +42,17 @@ class Place:
     turn_rad: float
 
 
-def _missing_rad(windows: LoneWindows) -> Interval:
-    """Return what is missing: low end, median and high end of 95 %.
-
-    Windows in a row that stand alone lack a part of one pass each.
-    """
+def _lacking_rad(windows: LoneWindows) -> LoneWindows:
+    """Return windows with what a whole pass lacks: in a row each lacks a part of one."""
     lacks_rad_s = np.where(windows.alone, windows.deviation_rad_s, 0.0)
     row = np.cumsum(np.diff(windows.alone, prepend=False))
-    whole_rad_s = np.bincount(row, lacks_rad_s)[row]
-    every = np.ones(lacks_rad_s.size, dtype=np.bool_)
-    sizes = replace(windows, deviation_rad_s=whole_rad_s).size_rad_s(every)
-    low, size, high = (rad_s * windows.window_s for rad_s in sizes)
+    return replace(windows, deviation_rad_s=np.bincount(row, lacks_rad_s)[row])
+
+
+def _missing_rad(windows: LoneWindows, rows: Mask) -> Interval:
+    """Return what is missing in some windows: low end, median and high end of 95 %."""
+    sizes_rad_s = _lacking_rad(replace(windows, alone=windows.alone & rows)).size_rad_s(rows)
+    low, size, high = (rad_s * windows.window_s for rad_s in sizes_rad_s)
     return low, size, high
 
 
@@ -59,15 +64,32 @@ def places(windows: LoneWindows) -> dict[int, Place]:
     windows
         The windows; angles may begin anew in each run.
     """
-    found = {}
-    for run in np.unique(windows.run[windows.alone]).tolist():
-        own = windows.of(windows.run == run)
-        missing_rad = _missing_rad(own)
-        # Where an index corrects the count, a revolution has all of its angle.
-        turns_rad = (TURN_RAD - missing_rad[1], TURN_RAD)
-        both = (_placed(own, missing_rad, turn_rad) for turn_rad in turns_rad)
-        found[run] = max(both, key=lambda place: place.log_likelihood)
-    return found
+    runs = np.unique(windows.run[windows.alone]).tolist()
+    return {run: _place(windows.of(windows.run == run)) for run in runs}
+
+
+def _place(run: LoneWindows) -> Place:
+    """Return the likeliest place in a run, of what the windows lack in which it passes."""
+    sizes_rad = np.abs(_lacking_rad(run).deviation_rad_s[run.alone]) * run.window_s
+    tried = np.unique(np.quantile(sizes_rad, _SIZES, method="nearest")).tolist()
+    others = [run.lacks_rad] if run.lacks_rad > 0.0 else tried
+    rough = max((_best_turn(run, (s, s, s), others) for s in tried), key=_likelihood)
+    own = passed(run, rough, rough.missing_rad[1])
+    return _best_turn(run, _missing_rad(run, own), others) if np.any(run.alone & own) else rough
+
+
+def _best_turn(run: LoneWindows, missing_rad: Interval, others_rad: Sequence[float]) -> Place:
+    """Return the likeliest place: a revolution may lack a second one too, or nothing.
+
+    It has all of its angle where an index corrects the count.
+    """
+    turn_rad = TURN_RAD - missing_rad[1]
+    turns_rad = (TURN_RAD, turn_rad, *(turn_rad - other_rad for other_rad in others_rad))
+    return max((_placed(run, missing_rad, turn_rad) for turn_rad in turns_rad), key=_likelihood)
+
+
+def _likelihood(place: Place) -> float:
+    return place.log_likelihood
 
 
 def passed(windows: LoneWindows, place: Place, beside_rad: float) -> Mask:
@@ -132,15 +154,15 @@ def _placed(run: LoneWindows, missing_rad: Interval, turn_rad: float) -> Place:
     place_rad, apart_rad = float(tried_rad[best]), float(np.median(to_rad - from_rad)) / _TRIED
     low_rad, high_rad = (float(end) for end in (np.min(as_well), np.max(as_well)))
     angle_rad = (place_rad + low_rad - apart_rad, place_rad, place_rad + high_rad + apart_rad)
-    # Where it is was chosen to fit.
-    likely_most = float(likely[best]) - math.log(run.alone.size)
+    # Where it is was chosen to fit, and so were the turn and how many windows it has no part in.
+    likely_most = float(likely[best]) - math.log(run.alone.size * _CHOSEN)
     return Place(likely_most, missing_rad, angle_rad, turn_rad)
 
 
 def _log_likelihood(run: LoneWindows, places_rad: Array, turn_rad: float) -> Array:
     """Log-likelihood of which windows stand alone, if marks are missing at a place, by place.
 
-    As many do as do; nearly all of these are among the windows in which the place passes.
+    As many do as do; of these most are among the windows in which the place passes.
     """
     slow = run.deviation_rad_s * np.sign(run.speed_rad_s) < 0.0
     every = np.ones(slow.size, dtype=np.bool_)
@@ -149,11 +171,14 @@ def _log_likelihood(run: LoneWindows, places_rad: Array, turn_rad: float) -> Arr
         for rows in (every, run.alone, run.alone & slow)
     )
     n, count = slow.size, int(np.count_nonzero(run.alone))
-    likely = (1.0 - STRAY) * n / np.maximum(pass_it, 1.0)
-    unlikely = 0.5 * STRAY * n / np.maximum(n - pass_it, 1.0)
     at_chance = float(xlogy(count, count / n) + xlogy(n - count, 1.0 - count / n))
     ways = slowed * math.log(1.0 - STRAY) + (struck - slowed) * math.log(STRAY)
-    return at_chance + ways + struck * np.log(likely) + (count - struck) * np.log(unlikely)
+    inside, outside = n / np.maximum(pass_it, 1.0), 0.5 * n / np.maximum(n - pass_it, 1.0)
+    where = [
+        struck * np.log((1.0 - elsewhere) * inside) + (count - struck) * np.log(elsewhere * outside)
+        for elsewhere in _ELSEWHERE
+    ]
+    return np.asarray(at_chance + ways + np.max(where, axis=0))
 
 
 def _passing(windows: LoneWindows, places_rad: Array, turn_rad: float) -> Array:

@@ -22,7 +22,7 @@ def test_what_is_beyond_chance_in_one_place_is_said(p_value: float, warns: bool)
     ranked = [Ranked(weight.effect, Fit((weight,), 60.0, 0.0), 60.0, p_value, 50.0)]
     quiet = Whole(0.0, 1.0, problem.n_rows)
     found = Found(problem, 1.0, ranked, [], Fit((), 0.0, 0.0), quiet, quiet)
-    assert verdict_on(found, None) == "no_discrepancy"
+    assert verdict_on(found, 0.0) == "no_discrepancy"
     warnings = list(said_beside(found, "no_discrepancy"))
     assert len(warnings) == warns
     assert all(

@@ -17,9 +17,17 @@ from known_motor import (
     measured,
     problem_of,
 )
+from tests.usmbench.diagnose.gapped_runs import (
+    found_in,
+    gapped_run,
+    knowing,
+    with_false_counts,
+    without,
+)
 from usmbench.diagnose.cutting.cut_runs import cut_runs
 from usmbench.diagnose.known.model_knowledge import knowledge_of
-from usmbench.diagnose.naming.sporadic import find_sporadic, left_unnamed
+from usmbench.diagnose.naming.sporadic import find_sporadic
+from usmbench.diagnose.naming.unnamed_windows import left_unnamed
 from usmbench.diagnose.noise.rotor_states import whole_count_rad_s
 from usmbench.diagnose.pipeline import diagnose
 from usmbench.diagnose.residual.problem import Problem
@@ -123,20 +131,43 @@ def test_windows_that_stand_alone_at_one_angle_are_a_damaged_disc(one_place: boo
         assert values["angle_rad"] == pytest.approx(2.0, abs=0.06)
 
 
-def test_slow_windows_that_share_a_gap_of_the_disc_are_left_out() -> None:
-    phase_deg = np.repeat(np.random.default_rng(12).uniform(-88.0, 88.0, 200), 20)
-    record = driven(phase_deg, 4)
-    turned_rad = np.cumsum(np.concatenate([[0.0], record.speed_rad_s])) * WINDOW_S
-    # From 2.0 to 2.05 rad of each revolution nothing is counted.
-    begins_rad = 2.0 + 2.0 * np.pi * np.arange(-40.0, 40.0)
-    true_rad = np.sort(np.concatenate([begins_rad, begins_rad + 0.05]))
-    missing_rad = np.repeat(0.05 * np.arange(81.0), 2)[1:-1]
-    seen_rad = turned_rad - np.interp(turned_rad, true_rad, missing_rad)
-    found = diagnose([replace(record, speed_rad_s=np.diff(seen_rad) / WINDOW_S)], identified())
-    assert found.verdict == "explained"
-    (cause,) = found.causes
-    assert cause.name == "damaged_disc"
-    assert "left out of all other figures" in " ".join(found.warnings)
+def test_a_gap_of_the_disc_that_the_model_has_is_no_news_until_it_has_grown() -> None:
+    known = found_in(gapped_run(12, (2.0, 0.05))).applied
+    # By a counter that begins anew it is elsewhere, and a faster plan passes it more often.
+    same, grown = (found_in(gapped_run(13, (4.0, width)), known) for width in (0.05, 0.1))
+    assert (same.named.name, same.is_news, same.deviance) == ("damaged_disc", False, 0.0)
+    assert (grown.named.name, grown.is_news) == ("damaged_disc", True)
+    assert grown.deviance > 0.0
+    other = found_in(with_false_counts(gapped_run(13), 40.0 * NOISE_RAD_S, 100), known)
+    assert (other.named.name, other.is_news) == ("count_glitches", True)
+
+
+def test_a_second_gap_of_the_disc_is_found_without_the_first() -> None:
+    problem = problem_of([gapped_run(12, (2.0, 0.05), (4.5, 0.1))])
+    first = find_sporadic(problem, (), 1.0)
+    assert first is not None
+    second = find_sporadic(without(problem, first), (), 1.0, [first])
+    assert second is not None
+    assert [first.named.name, second.named.name] == ["damaged_disc"] * 2
+    missing_rad = sorted(s.applied.values["missing_rad"] for s in (first, second))
+    assert missing_rad == pytest.approx([0.05, 0.1], rel=0.05)
+    third = find_sporadic(without(without(problem, first), second), (), 1.0, [first, second])
+    assert third is None
+
+
+@pytest.mark.parametrize(
+    ("times", "every", "news"), [(1.0, 100, False), (3.0, 100, True), (1.0, 25, True)]
+)
+def test_false_counts_that_the_model_has_are_news_if_larger_or_more(
+    times: float, every: int, *, news: bool
+) -> None:
+    size_rad_s = 40.0 * NOISE_RAD_S
+    known = found_in(with_false_counts(gapped_run(12), size_rad_s, 100)).applied
+    record = with_false_counts(gapped_run(13), times * size_rad_s, every)
+    found = find_sporadic(knowing(problem_of([record]), known), (), 1.0)
+    assert (found is not None) == news
+    if found is not None:
+        assert (found.named.name, found.is_news) == ("count_glitches", True)
 
 
 def test_a_false_count_is_as_large_as_it_is_beside_its_neighbours() -> None:

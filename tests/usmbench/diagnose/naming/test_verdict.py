@@ -1,7 +1,5 @@
 """Whether what is named may stand beside what it leaves."""
 
-from unittest.mock import Mock
-
 import numpy as np
 import pytest
 
@@ -9,7 +7,6 @@ from known_motor import NOISE_RAD_S, applied, judged
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.naming.ranking import Ranked
-from usmbench.diagnose.naming.sporadic import Sporadic
 from usmbench.diagnose.naming.verdict import by_share_left, verdict_on
 from usmbench.diagnose.residual.whole import Whole
 from usmbench.diagnose.result import Verdict
@@ -29,7 +26,7 @@ def test_scatter_excuses_a_name_beside_less_than_it_explains(
     named = [[Ranked(lost.effect, fit, 900.0, 0.0, 900.0)]]
     before, after = (Whole(excess, 0.0, problem.n_rows) for excess in (1000.0, left))
     monkeypatch.setattr("usmbench.diagnose.naming.verdict.leaves_scatter", lambda *_: True)
-    assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), None) == verdict
+    assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), 0.0) == verdict
 
 
 @pytest.mark.parametrize(
@@ -44,7 +41,7 @@ def test_a_name_that_leaves_more_than_it_explains_is_none(left: float, verdict: 
     fit = Fit((weight,), 0.05 * problem.n_rows, 0.0)
     named = [[Ranked(weight.effect, fit, fit.statistic, 0.0, fit.statistic)]]
     before, after = (Whole(share * problem.n_rows, 1e-9, problem.n_rows) for share in (0.1, left))
-    assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), None) == verdict
+    assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), 0.0) == verdict
 
 
 @pytest.mark.parametrize(
@@ -64,7 +61,7 @@ def test_a_size_that_is_all_it_may_be_is_no_explanation(
     fit = Fit((cause,), 9e3, 0.0)
     named = [[Ranked(cause.effect, fit, 9e3, 0.0, 9e3)]]
     before, after = Whole(shown, 0.0, problem.n_rows), Whole(0.0, 1.0, problem.n_rows)
-    assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), None) == verdict
+    assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), 0.0) == verdict
 
 
 @pytest.mark.parametrize(("share", "verdict"), [(0.05, "explained"), (0.15, "unexplained")])
@@ -76,7 +73,7 @@ def test_a_name_beside_something_smooth_that_has_none_is_a_patch(
     fit = Fit((weight,), 2e3, 0.0)
     named = [[Ranked(weight.effect, fit, 2e3, 0.0, 2e3)]]
     before, after = Whole(4e3, 0.0, problem.n_rows), Whole(share * 2000.0, 0.0, problem.n_rows)
-    assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), None) == verdict
+    assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), 0.0) == verdict
 
 
 @pytest.mark.parametrize(
@@ -94,7 +91,7 @@ def test_a_grid_of_phases_that_explains_some_is_an_accident(
     fit = Fit((cause,), 200.0, 0.0)
     named = [[Ranked(cause.effect, fit, 200.0, 0.0, 200.0)]]
     before, after = (Whole(excess, 1e-6, problem.n_rows) for excess in (300.0, 90.0))
-    assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), None) == verdict
+    assert verdict_on(Found(problem, 1.0, [], named, fit, before, after), 0.0) == verdict
 
 
 @pytest.mark.parametrize(
@@ -114,7 +111,7 @@ def test_what_has_no_name_counts_window_by_window(
     problem.residual_rad_s[0][100] = 50.0
     found = Whole(share * problem.n_rows, p_value, problem.n_rows)
     fit = Fit((), 0.0, 0.0)
-    assert verdict_on(Found(problem, 1.0, [], [], fit, found, found), None) == verdict
+    assert verdict_on(Found(problem, 1.0, [], [], fit, found, found), 0.0) == verdict
 
 
 @pytest.mark.parametrize(("spread", "verdict"), [(1.2, "no_discrepancy"), (1.4, "unexplained")])
@@ -122,7 +119,7 @@ def test_more_noise_than_the_model_knows_is_a_finding(spread: float, verdict: st
     problem = judged(spread)
     quiet = Whole(0.0, 1.0, problem.n_rows)
     found = Found(problem, spread, [], [], Fit((), 0.0, 0.0), quiet, quiet)
-    assert verdict_on(found, None) == verdict
+    assert verdict_on(found, 0.0) == verdict
 
 
 @pytest.mark.parametrize(("times", "verdict"), [(2.0, "no_discrepancy"), (6.0, "unexplained")])
@@ -131,7 +128,7 @@ def test_what_few_rows_show_and_no_view_does_is_unexplained(times: float, verdic
     problem.residual_rad_s[0][::40] += times * NOISE_RAD_S * np.tile([1.0, -1.0], 25)
     again = problem.weighed(problem.noise, problem.masks)
     quiet = Whole(0.0, 1.0, again.n_rows)
-    assert verdict_on(Found(again, 1.0, [], [], Fit((), 0.0, 0.0), quiet, quiet), None) == verdict
+    assert verdict_on(Found(again, 1.0, [], [], Fit((), 0.0, 0.0), quiet, quiet), 0.0) == verdict
 
 
 @pytest.mark.parametrize(("share", "verdict"), [(0.3, "no_discrepancy"), (0.9, "explained")])
@@ -142,8 +139,7 @@ def test_single_windows_are_the_matter_where_most_of_what_is_off_is_in_them(
     quiet = Whole(0.0, 1.0, problem.n_rows)
     found = Found(problem, 1.1, [], [], Fit((), 0.0, 0.0), quiet, quiet)
     assert found.off_in_all > 0.0
-    lone = Mock(spec=Sporadic, deviance=share * found.off_in_all)
-    assert verdict_on(found, lone) == verdict
+    assert verdict_on(found, share * found.off_in_all) == verdict
 
 
 @pytest.mark.parametrize(

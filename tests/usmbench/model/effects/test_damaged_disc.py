@@ -1,6 +1,7 @@
 """A place of the disc without marks: what is counted, and how it is told from chance."""
 
 from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -79,6 +80,31 @@ def test_one_place_is_told_from_chance_and_found(lines: int) -> None:
     assert held >= 17  # of 20 at 95 % fewer come in 1.6 %
 
 
+@pytest.mark.parametrize("seed", range(10))
+def test_one_place_is_found_among_as_many_false_counts(seed: int) -> None:
+    draw = np.random.default_rng(seed)
+    place = int(draw.integers(1, 1980))
+    gap = _damaged(seed, place, 3)
+    passes = int(np.count_nonzero(gap.alone))
+    struck = draw.permutation(N)[:passes]
+    off_rad_s = gap.deviation_rad_s.copy()
+    off_rad_s[struck] += draw.choice([-2.5, 2.5], passes) * COUNT_RAD / WINDOW_S
+    alone = gap.alone.copy()
+    alone[struck] = True
+    windows = replace(gap, deviation_rad_s=off_rad_s, alone=alone)
+    (best, name), (next_best, _), _ = _by_likelihood(windows)
+    assert name == "damaged_disc"
+    assert next_best - best > TELLING
+    found = DamagedDisc().weigh(windows).values
+    assert found["missing_rad"][1] == pytest.approx(12 * COUNT_RAD, rel=0.1)
+    assert found["angle_rad"][1] == pytest.approx(place * COUNT_RAD, abs=0.05)
+    time_s = N * WINDOW_S
+    assert found["rate_hz"][1] * time_s == pytest.approx(passes, rel=0.2)
+    label, at_rad = DamagedDisc().shown_against(windows)
+    assert label.endswith("(rad)")
+    assert np.mean(np.abs(at_rad[gap.alone]) < 0.15) > 0.9
+
+
 def test_false_counts_anywhere_are_no_place() -> None:
     told = 0
     for seed in range(20):
@@ -117,9 +143,9 @@ def test_a_line_that_is_lost_above_some_speed_is_no_damage() -> None:
 def test_angles_that_begin_anew_in_each_run_show_one_place_each() -> None:
     # Of a scratch that has grown.
     first, second = _damaged(1, 300, 1), _damaged(2, 1500, 3)
-    joined = {
+    joined: dict[str, Any] = {
         f.name: np.concatenate([getattr(first, f.name), getattr(second, f.name)])
-        for f in fields(LoneWindows)[:-2]
+        for f in fields(LoneWindows)[:-3]
     }
     run = np.repeat([4, 7], N)
     both = LoneWindows(**joined, run=run, window_s=WINDOW_S)
