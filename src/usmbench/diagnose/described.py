@@ -7,13 +7,9 @@ import numpy as np
 
 from usmbench.diagnose.cutting.command_times import unknown_moments
 from usmbench.diagnose.cutting.long_runs import long_warming
-from usmbench.diagnose.described_alone import (
-    entries_with,
-    lone_views,
-    named_alone,
-    said_alone,
-)
+from usmbench.diagnose.described_alone import lone_views, named_alone, said_alone
 from usmbench.diagnose.evidence import Candidate, Estimate, NamedCause, strongest_first
+from usmbench.diagnose.extended_effects import extended_effects
 from usmbench.diagnose.fitting.fit import Fit
 from usmbench.diagnose.fitting.foretold import GROSS, foretold_rad_s
 from usmbench.diagnose.fitting.gain import held_out_gain
@@ -65,7 +61,6 @@ def described(
     """
     found, gain = held.found, held.gain
     problem, fit = found.problem, found.fit
-    effects = [applied.to_mapping() for applied in fit.effects]
     views = residual_views(problem, found.left_rad_s, found.spread)
     loud = held.left_over > LOUD and (_shown(views) or _scatters(found))
     if held.verdict == "explained" and loud:
@@ -87,7 +82,7 @@ def described(
         views=views,
         lone_views=lone_views(held),
         traces=tuple(_traces(problem, fit)),
-        extended=replace(model, effects=(*entries_with(held, model), *effects)),
+        extended=replace(model, effects=extended_effects(held, model)),
         n_windows=problem.n_rows,
         warnings=(*warnings, *_one_run(model, held.verdict), *_warnings(held)),
         left_over=held.left_over,
@@ -189,6 +184,7 @@ def _causes(held: Held) -> list[NamedCause]:
                 ranking[0].p_value,
                 share,
                 waves[k],
+                by_chance=effect.by_chance,
             )
         )
     causes = strongest_first(causes)

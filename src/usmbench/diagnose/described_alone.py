@@ -1,14 +1,12 @@
 """Causes of single windows, as a diagnosis tells them."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 from usmbench.diagnose.evidence import NamedCause
 from usmbench.diagnose.held import Held, counted_alone
 from usmbench.diagnose.naming.sporadic import Sporadic
 from usmbench.diagnose.naming.unnamed_windows import left_unnamed
 from usmbench.diagnose.result import STANDS, LoneView
-from usmbench.model.hammerstein import HammersteinModel
 
 
 def news_of(held: Held) -> tuple[Sporadic, ...]:
@@ -42,24 +40,6 @@ def lone_views(held: Held) -> tuple[LoneView, ...]:
         What stands.
     """
     return tuple(s.seen for s in news_of(held))
-
-
-def entries_with(held: Held, model: HammersteinModel) -> tuple[dict[str, Any], ...]:
-    """Return the effects of a model file with what is news of single windows.
-
-    What the model has already of such a cause gives way to all that was found of it.
-
-    Parameters
-    ----------
-    held
-        What stands.
-    model
-        The model.
-    """
-    news = {(s.named.name, s.named.form) for s in news_of(held)}
-    found = [s.applied.to_mapping() for s in held.sporadic if _of(s) in news]
-    kept = [e for e in model.effects if (e["name"], e.get("form", "")) not in news]
-    return (*kept, *found)
 
 
 def said_alone(held: Held) -> Iterator[str]:
@@ -96,7 +76,3 @@ def _further_places(left_out: Sequence[Sporadic]) -> Iterator[str]:
             )
             yield f"{cause.named.name} was found once more: {sizes}"
         told.add(cause.named.name)
-
-
-def _of(cause: Sporadic) -> tuple[str, str]:
-    return cause.named.name, cause.named.form

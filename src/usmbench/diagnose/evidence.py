@@ -61,6 +61,8 @@ class NamedCause:
         Amplitude and angle of those parameters that are a cosine and a sine of one quantity.
     single
         Whether it strikes single windows: no simulation foresees which.
+    by_chance
+        Whether windows count in which no simulation foresees what it does.
     """
 
     name: str
@@ -73,6 +75,7 @@ class NamedCause:
     gain: float
     waves: tuple[Estimate, ...] = ()
     single: bool = False
+    by_chance: bool = False
 
     def to_json(self) -> dict[str, Any]:
         """Return the mapping that the contract asks for."""

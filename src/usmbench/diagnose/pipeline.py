@@ -15,7 +15,9 @@ from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.naming.search import search
 from usmbench.diagnose.naming.verdict import verdict_on
 from usmbench.diagnose.residual.own_effects import cut_beside_own, known_of, own_effects
+from usmbench.diagnose.residual.own_gone import gone_effects
 from usmbench.diagnose.result import Diagnosis
+from usmbench.model.applied import foreseen_effects
 from usmbench.model.effects.registry import library
 from usmbench.model.hammerstein import HammersteinModel
 from usmbench.runs.pauses import cold_starts
@@ -64,10 +66,12 @@ def searched(stretches: Sequence[Stretch], model: HammersteinModel) -> Found:
     """
     contexts = [s.context for s in stretches]
     effects = [e for e in library() if not e.sporadic and e.untestable(contexts) is None]
-    known = known_of(model)
+    known, own = known_of(model), own_effects(model)
+    mended = own[: len(foreseen_effects(model.effects))]
+    effects += gone_effects(mended)
     late_s = max(known.wander.late_s, any_moment_s(stretches))
     known = replace(known, wander=replace(known.wander, late_s=late_s))
-    marked, own = at_unknown_moments(stretches, late_s), own_effects(model)
+    marked = at_unknown_moments(stretches, late_s)
     marked = following_guesses(marked, known.features, known.mean)
     found = search(marked, known, own, effects)
     says = verdict_on(found, 0.0)

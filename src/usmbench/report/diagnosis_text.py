@@ -4,6 +4,7 @@ import html
 
 from usmbench.diagnose.evidence import NamedCause
 from usmbench.diagnose.naming.remainder import LOUD
+from usmbench.diagnose.residual.own_gone import GONE
 from usmbench.diagnose.result import Diagnosis
 from usmbench.report.numbers_text import BLANK, percent, quantity, sized, spelled
 
@@ -89,7 +90,8 @@ def _named(cause: NamedCause) -> str:
         f"{quantity(p.name, p.unit)} {sized(p.value, p.unit)}"
         for p in cause.waves or cause.parameters
     )
-    text = spelled(cause.name) + (f" ({sizes})" if sizes else "")
+    gone = " that is gone" if cause.form == GONE else ""
+    text = f"{spelled(cause.name)}{gone}" + (f" ({sizes})" if sizes else "")
     if cause.alternatives:
         others = " or ".join(spelled(name) for name in cause.alternatives)
         text = f"either {text} or {others} (these runs cannot tell which)"

@@ -1,9 +1,7 @@
 """What the errors and the noise of a diagnosis say, and what of them is news."""
 
-from usmbench.diagnose.evidence import NamedCause
 from usmbench.diagnose.naming.remainder import LOUD
 from usmbench.diagnose.result import Diagnosis
-from usmbench.model.effects.registry import find_effect
 from usmbench.report.numbers_text import number, spelled, times
 
 _NO_NEWS = "the simulation misses as much on its own runs, or healthy runs differ by as much"
@@ -47,7 +45,7 @@ def what_is_left(diagnosis: Diagnosis) -> str:
     if diagnosis.left_over <= LOUD:
         return f"{where} The difference is no news: {_NO_NEWS}, {news}."
     usual = f"That is {times(diagnosis.left_over)} what the simulation misses on its own runs."
-    struck = [spelled(cause.name) for cause in diagnosis.causes if _by_chance(cause)]
+    struck = [spelled(cause.name) for cause in diagnosis.causes if cause.by_chance]
     if struck:
         return (
             f"{where} {usual} No simulation foresees which windows {' and '.join(struck)} "
@@ -57,9 +55,3 @@ def what_is_left(diagnosis: Diagnosis) -> str:
         f"{where} {usual} No test tells it from what may differ between days, {news}: of these "
         "runs the simulation is no better than that."
     )
-
-
-def _by_chance(cause: NamedCause) -> bool:
-    """Whether a cause acts where no simulation foresees it, and windows there count."""
-    effect = find_effect(cause.name, cause.form)
-    return (effect.sporadic or effect.by_chance) and not effect.left_out

@@ -8,8 +8,11 @@ import pytest
 
 from known_motor import NOISE_RAD_S, WINDOW_S, applied, identified
 from tests.usmbench.diagnose.gapped_runs import found_in, gapped_run, with_false_counts
-from usmbench.diagnose.described_alone import entries_with, lone_views, named_alone
+from usmbench.diagnose.described_alone import lone_views, named_alone
+from usmbench.diagnose.extended_effects import extended_effects
+from usmbench.diagnose.fitting.fit import NOTHING
 from usmbench.diagnose.held import Held
+from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.naming.sporadic import Sporadic
 from usmbench.diagnose.pipeline import diagnose
 
@@ -34,7 +37,8 @@ def test_false_counts_beside_a_gap_of_the_disc_are_named_beside_it() -> None:
 
 
 def held_by(*sporadic: Sporadic, verdict: str = "explained") -> Held:
-    held: Held = Mock(spec=Held, sporadic=sporadic, verdict=verdict)
+    nothing = Mock(spec=Found, fit=NOTHING)
+    held: Held = Mock(spec=Held, sporadic=sporadic, verdict=verdict, found=nothing)
     return held
 
 
@@ -51,7 +55,7 @@ def test_of_two_places_one_name_is_told_and_both_are_simulated(
     (named,) = named_alone(held)
     assert named is gaps[0].named
     assert len(lone_views(held)) == 2
-    entries = entries_with(held, identified())
+    entries = extended_effects(held, identified())
     assert list(entries) == [gap.applied.to_mapping() for gap in gaps]
 
 
@@ -62,10 +66,10 @@ def test_what_is_no_news_stays_in_the_model_unless_more_of_it_is_found(
     other = applied("count_glitches", "", rate_hz=1.0, size_rad_s=3.0).to_mapping()
     has = replace(identified(), effects=(gaps[0].applied.to_mapping(), other))
     assert named_alone(held_by(known)) == []
-    assert entries_with(held_by(known), has) == has.effects
+    assert extended_effects(held_by(known), has) == has.effects
     both = held_by(known, found)
     assert named_alone(both) == [found.named]
-    assert list(entries_with(both, has)) == [
+    assert list(extended_effects(both, has)) == [
         other,
         known.applied.to_mapping(),
         found.applied.to_mapping(),
@@ -79,4 +83,4 @@ def test_a_name_that_does_not_stand_is_not_told(
     held = held_by(*gaps, verdict=verdict)
     assert named_alone(held) == []
     assert lone_views(held) == ()
-    assert entries_with(held, identified()) == identified().effects
+    assert extended_effects(held, identified()) == identified().effects

@@ -30,6 +30,7 @@ from usmbench.diagnose.naming.ranking import telling_deviance
 from usmbench.diagnose.noise.noise_estimate import noise_as_stated
 from usmbench.diagnose.noise.noise_model import Noise
 from usmbench.diagnose.residual.own_effects import cut_beside_own, known_of, own_effects
+from usmbench.diagnose.residual.own_gone import GONE
 from usmbench.diagnose.residual.problem import Problem
 from usmbench.diagnose.result import Diagnosis
 from usmbench.model.applied import Applied
@@ -79,20 +80,23 @@ def question_of(diagnosis: Diagnosis) -> Question | None:
     diagnosis
         The diagnosis.
     """
+    # What the model has and the motor has not asks for no experiment: a look at the motor tells.
+    causes = [cause for cause in diagnosis.causes if cause.form != GONE]
+    candidates = [c for c in diagnosis.candidates if c.form != GONE]
     named = {cause.name for cause in diagnosis.causes}
-    alone = {c.name: c for c in diagnosis.candidates if c.name not in named}
+    alone = {c.name: c for c in candidates if c.name not in named}
     # What strikes single windows is not what an experiment asks for first.
-    for cause in sorted(diagnosis.causes, key=lambda c: _stated(c).effect.sporadic):
+    for cause in sorted(causes, key=lambda c: _stated(c).effect.sporadic):
         others = [alone[name] for name in cause.alternatives if name in alone]
         if others:
-            beside = [_stated(other) for other in diagnosis.causes if other is not cause]
+            beside = [_stated(other) for other in causes if other is not cause]
             return Question(
                 (_stated(cause), *map(_fitted, others))[:_MOST_RIVALS],
                 tuple(applied for applied in beside if not applied.effect.sporadic),
             )
-    if diagnosis.verdict != "no_discrepancy" or not diagnosis.candidates:
+    if diagnosis.verdict != "no_discrepancy" or not candidates:
         return None
-    best = min(diagnosis.candidates, key=lambda candidate: candidate.p_value)
+    best = min(candidates, key=lambda candidate: candidate.p_value)
     return Question((_fitted(best), None)) if best.p_value < _SUGGESTIVE else None
 
 

@@ -82,6 +82,7 @@ class LoneKind:
             p_value,
             gain=0.0,
             single=True,
+            by_chance=not effect.left_out,
         )
 
     def seen(self, rivals: Sequence["LoneKind"], windows: LoneWindows) -> LoneView:

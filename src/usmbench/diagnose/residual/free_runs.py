@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from usmbench.diagnose.cutting.stretches import Stretch
+from usmbench.diagnose.residual.own_gone import first_gone
 from usmbench.model.applied import Applied
 from usmbench.model.extended import counted, shaft_speeds
 
@@ -61,6 +62,11 @@ class FreeRuns:
         effects
             All effects, the model's own among them.
         """
+        gone = first_gone(effects)
+        if gone is not None:
+            share, rest, without = gone
+            pairs = zip(self.speed_rad_s(rest), self.speed_rad_s(without), strict=True)
+            return [(1.0 - share) * there + share * away for there, away in pairs]
         before = _before(effects)
         shaft = self._shaft_rad_s(before)
         if len(before) == len(effects):
