@@ -13,6 +13,7 @@ def assert_named(model: HammersteinModel, hidden: Applied, parameter: str | None
     found = diagnose([measured(7, hidden)], model)
     (cause,) = found.causes
     assert cause.name == hidden.effect.name
+    assert cause.by_chance == hidden.effect.by_chance
     assert found.verdict == "explained"
     assert found.gain > 0.9
     assert len(found.extended.effects) == 1

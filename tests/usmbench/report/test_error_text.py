@@ -49,14 +49,12 @@ def test_an_error_beyond_that_of_the_own_runs_is_not_called_usual(make_diagnosis
     assert "misses as much" not in said
 
 
-def test_windows_that_are_left_out_do_not_count_in_full(make_diagnosis: Make) -> None:
-    disc = replace(make_diagnosis().causes[0], name="damaged_disc", alternatives=())
-    said = what_is_left(make_diagnosis(remainder=None, left_over=6.6, causes=(disc,)))
-    assert "strikes" not in said
-
-
-def test_what_a_cause_does_by_chance_is_no_difference_between_days(make_diagnosis: Make) -> None:
-    glitches = replace(make_diagnosis().causes[0], name="count_glitches", alternatives=())
+@pytest.mark.parametrize("by_chance", [True, False])
+def test_what_a_cause_does_by_chance_is_no_difference_between_days(
+    make_diagnosis: Make, *, by_chance: bool
+) -> None:
+    (cause,) = make_diagnosis().causes
+    glitches = replace(cause, name="count_glitches", alternatives=(), by_chance=by_chance)
     said = what_is_left(make_diagnosis(remainder=None, left_over=6.6, causes=(glitches,)))
-    assert "foresees which windows count glitches strikes" in said
-    assert "between days" not in said
+    assert ("foresees which windows count glitches strikes" in said) == by_chance
+    assert ("between days" in said) != by_chance

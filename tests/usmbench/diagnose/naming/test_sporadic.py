@@ -140,6 +140,8 @@ def test_a_gap_of_the_disc_that_the_model_has_is_no_news_until_it_has_grown() ->
     assert grown.deviance > 0.0
     other = found_in(with_false_counts(gapped_run(13), 40.0 * NOISE_RAD_S, 100), known)
     assert (other.named.name, other.is_news) == ("count_glitches", True)
+    # What is left out does not count.
+    assert (other.named.by_chance, grown.named.by_chance) == (True, False)
 
 
 def test_a_second_gap_of_the_disc_is_found_without_the_first() -> None:
