@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from usmbench.diagnose.anew.identify_anew import identified_anew
 from usmbench.diagnose.cutting.check_runs import FEWEST_WINDOWS, check_driven, check_moves
 from usmbench.diagnose.cutting.command_times import any_moment_s, at_unknown_moments
@@ -101,7 +103,9 @@ def _diagnosed(
             refused[name] = reason
     stands = held(searched(stretches, model))
     while stands.leaves_out:
-        pairs = zip(stretches, stands.sporadic[-1].touched, strict=True)
-        stretches = [replace(s, use=s.use & ~rows) for s, rows in pairs]
+        struck = list(zip(stretches, stands.sporadic[-1].touched, strict=True))
+        if not any(np.any(s.use & rows) for s, rows in struck):
+            break
+        stretches = [replace(s, use=s.use & ~rows) for s, rows in struck]
         stands = held(searched(stretches, model), stands.sporadic)
     return described(stands, model, testable, tuple(refused.items()), warnings)

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 def gapped_run(seed: int, *gaps_rad: tuple[float, float]) -> Record:
     """Return a run that counts nothing over some part of each revolution: (begin, width) each."""
-    phase_deg = np.repeat(np.random.default_rng(seed).uniform(-88.0, 88.0, 200), 20)
+    phase_deg = np.repeat(np.random.default_rng(seed).uniform(-88.0, 88.0, 120), 20)
     record = driven(phase_deg, 4)
     turned_rad = np.cumsum(np.concatenate([[0.0], record.speed_rad_s])) * WINDOW_S
     seen_rad = turned_rad - sum(_lost_rad(turned_rad, *gap) for gap in gaps_rad)

@@ -15,6 +15,8 @@ from usmbench.diagnose.held import Held
 from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.naming.sporadic import Sporadic
 from usmbench.diagnose.pipeline import diagnose
+from usmbench.model.effects.damaged_disc import DamagedDisc
+from usmbench.model.effects.lone_windows import SporadicEffect
 
 OFF_RAD_S, EVERY = 40.0 * NOISE_RAD_S, 100
 
@@ -34,6 +36,13 @@ def test_false_counts_beside_a_gap_of_the_disc_are_named_beside_it() -> None:
     assert [view.cause for view in found.lone_views] == ["damaged_disc", "count_glitches"]
     assert np.all(found.lone_views[0].off_rad_s != 0.0)
     assert [e["name"] for e in found.extended.effects] == ["damaged_disc", "count_glitches"]
+
+
+def test_a_cause_that_leaves_nothing_out_ends_the_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As a user's own may."""
+    monkeypatch.setattr(DamagedDisc, "touched", SporadicEffect.touched)
+    found = diagnose([gapped_run(12, (2.0, 0.05))], identified())
+    assert [cause.name for cause in found.causes] == ["damaged_disc"]
 
 
 def held_by(*sporadic: Sporadic, verdict: str = "explained") -> Held:

@@ -17,6 +17,11 @@ class OwnGone(Effect):
     """A share of what one of the model's own effects does is not there.
 
     A subclass for each gives it the name of the cause.
+
+    Parameters
+    ----------
+    own
+        The effect.
     """
 
     form: ClassVar[str] = GONE
