@@ -12,6 +12,7 @@ from usmbench.diagnose.cutting.stretches import Stretch
 from usmbench.diagnose.described import described
 from usmbench.diagnose.held import held
 from usmbench.diagnose.known.guessed_steps import following_guesses
+from usmbench.diagnose.naming.as_simulated import as_simulated
 from usmbench.diagnose.naming.began_warm import WarmStart
 from usmbench.diagnose.naming.found import Found
 from usmbench.diagnose.naming.search import search
@@ -79,6 +80,9 @@ def searched(stretches: Sequence[Stretch], model: HammersteinModel) -> Found:
     says = verdict_on(found, 0.0)
     if says == "no_discrepancy":
         return found
+    quiet = as_simulated(found)
+    if quiet is not None:
+        return quiet
     start = WarmStart.of(found)
     names = start.names
     if not names:
